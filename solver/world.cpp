@@ -1,0 +1,369 @@
+#include "solver/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "models/particle.hpp"
+#include "solver/floating_point_environment.hpp"
+#include "solver/instants.hpp"
+
+namespace salvo::solver {
+
+namespace {
+
+using soa::ParticleField;
+
+// Rows of a tile, the unit of scheduling: a multiple of 64 whose columns fit in the L2 cache.
+constexpr std::size_t tile_rows = 4096;
+constexpr std::size_t remembered_rows = 100;
+
+constexpr std::size_t index(ParticleField field) { return static_cast<std::size_t>(field); }
+
+std::string describe(const BadRow& row) {
+  return fmt::format("particle {} (stream {}, serial {}) {} at step {}: {} = {}", row.id,
+                     soa::stream_of(row.id), soa::serial_of(row.id),
+                     row.left_domain ? "left the domain" : "became non-finite", row.step,
+                     row.column, row.value);
+}
+
+const Setup& checked(const Setup& setup, const Execution& execution) {
+  const std::vector<Isa> available = available_isas();
+  if (std::find(available.begin(), available.end(), execution.isa) == available.end()) {
+    throw std::invalid_argument(
+        fmt::format("this machine cannot run the {} kernels", name(execution.isa)));
+  }
+  if (!(setup.dt > 0)) throw std::invalid_argument("the time step must be positive");
+  if (execution.pass_steps < 1) throw std::invalid_argument("a pass takes at least one step");
+  return setup;
+}
+
+double drag_area_of(const Emitter& emitter) {
+  return emitter.drag_coefficient
+             ? *emitter.drag_coefficient * (kernels::pi * emitter.radius.a * emitter.radius.a)
+             : emitter.drag_area.a;
+}
+
+}  // namespace
+
+NumericalError::NumericalError(const BadRow& row)
+    : std::runtime_error(describe(row)), row_(row) {}
+
+std::vector<bool> World::stored_fields(const Setup& setup) {
+  std::vector<bool> stored(soa::particle_fields.size(), true);
+  const auto same = [&](auto&& value) {
+    return std::all_of(setup.emitters.begin(), setup.emitters.end(), [&](const Emitter& emitter) {
+      return value(emitter) == value(setup.emitters.front());
+    });
+  };
+  const auto never = [&](auto&& varies) {
+    return std::none_of(setup.emitters.begin(), setup.emitters.end(), varies);
+  };
+  const auto is_jet = [](const Emitter& e) { return e.kind == EmitterKind::jet; };
+  const auto dies = [](const Emitter& e) {
+    return e.life.has_value() || e.kind == EmitterKind::book_explosion;
+  };
+  const auto drag_varies = [](const Emitter& e) {
+    return e.drag_coefficient ? e.radius.varies() : e.drag_area.varies();
+  };
+  stored[index(ParticleField::mass)] =
+      !(never([](const Emitter& e) { return e.mass.varies(); }) &&
+        same([](const Emitter& e) { return e.mass.a; }));
+  stored[index(ParticleField::radius)] =
+      !(never([](const Emitter& e) { return e.radius.varies(); }) &&
+        same([](const Emitter& e) { return e.radius.a; }));
+  stored[index(ParticleField::drag_area)] = !(never(drag_varies) && same(drag_area_of));
+  stored[index(ParticleField::birth)] =
+      !(never(is_jet) &&
+        same([&](const Emitter& e) { return step_at(e.time, setup.t0, setup.dt); }));
+  stored[index(ParticleField::death)] = !never(dies);
+  stored[index(ParticleField::group)] = !same([](const Emitter& e) { return e.group; });
+  return stored;
+}
+
+soa::Table World::empty_table(const Setup& setup) {
+  soa::Table table(soa::particle_fields, setup.precision, stored_fields(setup));
+  if (setup.emitters.empty()) return table;
+  const Emitter& first = setup.emitters.front();
+  table.set_uniform(index(ParticleField::mass), first.mass.a);
+  table.set_uniform(index(ParticleField::radius), first.radius.a);
+  table.set_uniform(index(ParticleField::drag_area), drag_area_of(first));
+  table.set_uniform(index(ParticleField::birth),
+                    static_cast<double>(step_at(first.time, setup.t0, setup.dt)));
+  table.set_uniform(index(ParticleField::group), first.group);
+  return table;
+}
+
+std::uint64_t World::total_emitted(const Setup& setup) {
+  std::uint64_t total = 0;
+  for (const Emitter& emitter : setup.emitters) {
+    total += EmissionSchedule(emitter, setup.t0, setup.dt).total();
+  }
+  return total;
+}
+
+std::uint64_t World::state_bytes(const Setup& setup) {
+  const std::vector<bool> stored = stored_fields(setup);
+  std::uint64_t row = 0;
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    const soa::Field& field = soa::particle_fields[f];
+    if (stored[f]) row += field.components * size_of(field.scalar, setup.precision);
+  }
+  return row * soa::padded(total_emitted(setup));
+}
+
+World::World(const Setup& setup, const Execution& execution)
+    : setup_(checked(setup, execution)),
+      execution_(execution),
+      parallel_(execution.threads),
+      particles_(empty_table(setup)) {
+  const FloatingPointEnvironment environment;
+  setup_.forces = completed(setup.forces);
+  for (const Emitter& emitter : setup_.emitters) {
+    schedules_.emplace_back(emitter, setup_.t0, setup_.dt);
+  }
+  particles_.reserve(total_emitted(setup_));
+  emit_due();
+  particles_.sort_by_id();
+}
+
+void World::emit_due() {
+  bool emitted = false;
+  for (std::size_t e = 0; e < schedules_.size(); ++e) {
+    const std::uint64_t before = schedules_[e].emitted_before(step_);
+    const std::uint64_t count = schedules_[e].emitted_before(step_ + 1) - before;
+    if (count == 0) continue;
+    const std::size_t first = particles_.append(count);
+    emit(setup_.emitters[e], setup_.seed, step_, setup_.dt, before, count, particles_, first,
+         parallel_);
+    emitted = true;
+  }
+  if (emitted) find_next_death();
+}
+
+void World::find_next_death() {
+  next_death_ = soa::never;
+  const auto* death = particles_.column<std::int32_t>(index(ParticleField::death));
+  if (!death) return;
+  for (std::size_t row = 0; row < particles_.rows(); ++row) {
+    next_death_ = std::min<std::int64_t>(next_death_, death[row]);
+  }
+}
+
+// A pass ends at the next emission, so that what is born takes part from then on.
+std::int64_t World::pass_end(std::int64_t target) const {
+  std::int64_t end = std::min(target, step_ + execution_.pass_steps);
+  for (const EmissionSchedule& schedule : schedules_) {
+    const std::int64_t next = schedule.next(step_ + 1);
+    if (next >= 0) end = std::min(end, next);
+  }
+  return end;
+}
+
+void World::advance_to(std::int64_t target) {
+  const FloatingPointEnvironment environment;
+  while (step_ < target) {
+    const auto steps = static_cast<std::int32_t>(pass_end(target) - step_);
+    if (setup_.precision == soa::Precision::single) {
+      run_pass(steps, instants_single_);
+    } else {
+      run_pass(steps, instants_twice_);
+    }
+    particle_steps_ += particles_.rows() * static_cast<std::uint64_t>(steps);
+    step_ += steps;
+    remove_dead();
+    emit_due();
+  }
+  particles_.sort_by_id();
+}
+
+template <class T>
+ParticlePass<T> World::whole_pass(std::int32_t steps, const std::vector<T>& instants) {
+  ParticlePass<T> pass;
+  pass.last_row = particles_.rows();
+  for (std::size_t c = 0; c < 3; ++c) {
+    pass.position[c] = particles_.column<T>(index(ParticleField::position), c);
+    pass.velocity[c] = particles_.column<T>(index(ParticleField::velocity), c);
+  }
+  pass.mass = particles_.column<T>(index(ParticleField::mass));
+  pass.radius = particles_.column<T>(index(ParticleField::radius));
+  pass.drag_area = particles_.column<T>(index(ParticleField::drag_area));
+  pass.uniform_mass = static_cast<T>(particles_.uniform(index(ParticleField::mass)));
+  pass.uniform_radius = static_cast<T>(particles_.uniform(index(ParticleField::radius)));
+  pass.uniform_drag_area = static_cast<T>(particles_.uniform(index(ParticleField::drag_area)));
+  if (next_death_ < step_ + steps) {
+    pass.death = particles_.column<std::int32_t>(index(ParticleField::death));
+  }
+  pass.first_step = static_cast<std::int32_t>(step_);
+  pass.steps = steps;
+  pass.dt = static_cast<T>(setup_.dt);
+  pass.integrator = setup_.integrator;
+  pass.forces = &setup_.forces;
+  pass.obstacles = setup_.obstacles;
+  pass.contact = setup_.contact;
+  pass.domain = setup_.domain;
+  pass.instants = instants.data();
+  pass.instant_stride = models::instant_coefficients(setup_.forces.blasts.size());
+  return pass;
+}
+
+namespace {
+
+void advance_with(const ParticleKernels& kernels, ParticlePass<float>& pass) {
+  kernels.advance_single(pass);
+}
+void advance_with(const ParticleKernels& kernels, ParticlePass<double>& pass) {
+  kernels.advance_twice(pass);
+}
+
+}  // namespace
+
+template <class T>
+void World::run_pass(std::int32_t steps, std::vector<T>& instants) {
+  instant_coefficients(setup_.forces, setup_.seed, setup_.t0, setup_.dt, step_, steps, instants);
+  const ParticlePass<T> whole = whole_pass(steps, instants);
+  const ParticleKernels& kernels = particle_kernels(execution_.isa);
+  const std::size_t rows = particles_.rows();
+  const std::size_t tiles = (rows + tile_rows - 1) / tile_rows;
+  unsaved_.resize(soa::padded(rows) / soa::block_rows);
+  tile_tallies_.resize(tiles);
+  parallel_.for_each(tiles, [&](std::size_t tile) {
+    ParticlePass<T> pass = whole;
+    pass.first_row = tile * tile_rows;
+    pass.last_row = std::min(rows, pass.first_row + tile_rows);
+    pass.unsaved = unsaved_.data() + pass.first_row / soa::block_rows;
+    advance_with(kernels, pass);
+    tile_tallies_[tile] = pass.tally;
+  });
+  for (std::size_t block = 0; block < unsaved_.size(); ++block) {
+    if (unsaved_[block] != 0) rerun_unsaved(whole, block, unsaved_[block]);
+  }
+  report_bad_rows();
+  for (const ContactTally& tally : tile_tallies_) {
+    tally_.impacts += tally.impacts;
+    tally_.rests += tally.rests;
+  }
+}
+
+// Steps the rows of a block that the pass left alone one step at a time, on copies, to find which went bad, when and how.
+template <class T>
+void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::uint64_t rows) {
+  constexpr std::size_t size = soa::block_rows;
+  alignas(soa::alignment) T copies[9][size] = {};
+  alignas(soa::alignment) std::int32_t death[size];
+  std::size_t source[size];
+  std::size_t count = 0;
+  T* const columns[9] = {pass.position[0],
+                         pass.position[1],
+                         pass.position[2],
+                         pass.velocity[0],
+                         pass.velocity[1],
+                         pass.velocity[2],
+                         const_cast<T*>(pass.mass),
+                         const_cast<T*>(pass.radius),
+                         const_cast<T*>(pass.drag_area)};
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t row = block * size + i;
+    if ((rows >> i & 1) == 0 || row >= pass.last_row) continue;
+    for (std::size_t c = 0; c < 9; ++c) {
+      if (columns[c]) copies[c][count] = columns[c][row];
+    }
+    death[count] = pass.death ? pass.death[row] : soa::never;
+    source[count++] = row;
+  }
+
+  ParticlePass<T> single = pass;
+  for (std::size_t c = 0; c < 3; ++c) {
+    single.position[c] = copies[c];
+    single.velocity[c] = copies[3 + c];
+  }
+  single.mass = pass.mass ? copies[6] : nullptr;
+  single.radius = pass.radius ? copies[7] : nullptr;
+  single.drag_area = pass.drag_area ? copies[8] : nullptr;
+  single.death = death;
+  single.first_row = 0;
+  single.last_row = count;
+  single.steps = 1;
+  single.keep_bad = true;
+  std::uint64_t unsaved = 0;
+  single.unsaved = &unsaved;
+
+  static constexpr const char* column_names[6] = {"position.x", "position.y", "position.z",
+                                                  "velocity.x", "velocity.y", "velocity.z"};
+  for (std::int32_t k = 0; k < pass.steps; ++k) {
+    single.first_step = pass.first_step + k;
+    single.instants = pass.instants + 2 * static_cast<std::size_t>(k) * pass.instant_stride;
+    advance_with(particle_kernels(execution_.isa), single);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (death[i] <= single.first_step) continue;
+      for (std::size_t c = 0; c < 6; ++c) {
+        const auto value = static_cast<double>(copies[c][i]);
+        const bool outside = setup_.domain.bounded && c < 3 &&
+                             (copies[c][i] < static_cast<T>(setup_.domain.lowest[c]) ||
+                              copies[c][i] > static_cast<T>(setup_.domain.highest[c]));
+        if (std::isfinite(value) && !outside) continue;
+        const BadRow bad{particles_.ids()[source[i]], single.first_step + 1, column_names[c], value,
+                         std::isfinite(value)};
+        bad_rows_.push_back(bad);
+        to_remove_.push_back(source[i]);
+        death[i] = 0;
+        break;
+      }
+    }
+  }
+  tally_.impacts += single.tally.impacts;
+  tally_.rests += single.tally.rests;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t c = 0; c < 6; ++c) columns[c][source[i]] = copies[c][i];
+  }
+}
+
+// By step and id, so that the report does not depend on how many steps a pass takes.
+void World::report_bad_rows() {
+  if (bad_rows_.empty()) return;
+  std::sort(bad_rows_.begin(), bad_rows_.end(), [](const BadRow& a, const BadRow& b) {
+    return std::pair(a.step, a.id) < std::pair(b.step, b.id);
+  });
+  if (setup_.on_bad == BadRowPolicy::stop) throw NumericalError(bad_rows_.front());
+  removed_ += bad_rows_.size();
+  for (const BadRow& row : bad_rows_) {
+    if (removed_rows_.size() < remembered_rows) removed_rows_.push_back(row);
+  }
+  bad_rows_.clear();
+}
+
+void World::remove_dead() {
+  if (next_death_ > step_ && to_remove_.empty()) return;
+  std::vector<std::uint8_t> keep(particles_.rows(), 1);
+  for (const std::size_t row : to_remove_) keep[row] = 0;
+  to_remove_.clear();
+  if (const auto* death = particles_.column<std::int32_t>(index(ParticleField::death))) {
+    for (std::size_t row = 0; row < keep.size(); ++row) {
+      if (death[row] <= step_) keep[row] = 0;
+    }
+  }
+  particles_.compact(keep);
+  find_next_death();
+}
+
+Diagnostics World::diagnose() const {
+  const FloatingPointEnvironment environment;
+  return solver::diagnose(particles_, setup_.forces, parallel_);
+}
+
+StateHash World::hash() const { return state_hash(particles_, parallel_); }
+
+void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
+                    std::uint64_t removed) {
+  step_ = step;
+  particles_ = std::move(particles);
+  particles_.reserve(total_emitted(setup_));
+  tally_ = tally;
+  removed_ = removed;
+  removed_rows_.clear();
+  find_next_death();
+}
+
+}  // namespace salvo::solver

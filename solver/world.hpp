@@ -1,0 +1,138 @@
+// A world of particles: what a scene describes, stepped through time. The bits of its state are a function of the set-up and
+// the step, and of nothing in Execution.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "soa/particle_fields.hpp"
+#include "soa/table.hpp"
+#include "solver/emitter.hpp"
+#include "solver/isa.hpp"
+#include "solver/parallel.hpp"
+#include "solver/particle_pass.hpp"
+#include "solver/reduction.hpp"
+#include "solver/state_hash.hpp"
+
+namespace salvo::solver {
+
+/// What happens to a particle that becomes non-finite or leaves the domain.
+enum class BadRowPolicy { stop, remove };
+
+/// Everything that decides the bits.
+struct Setup {
+  soa::Precision precision = soa::Precision::single;
+  std::uint64_t seed = 0;
+  double t0 = 0;  // s
+  double dt = 0;  // s
+  IntegratorKind integrator = IntegratorKind::semi_implicit_euler;
+  models::ForceSettings forces;
+  std::vector<models::Obstacle> obstacles;
+  models::ContactSettings contact;
+  Domain domain;
+  BadRowPolicy on_bad = BadRowPolicy::stop;
+  std::vector<Emitter> emitters;
+};
+
+/// Everything that does not.
+struct Execution {
+  Isa isa = widest_isa();
+  int threads = hardware_threads();
+  std::int32_t pass_steps = 32;  ///< steps a pass, at most
+};
+
+/// Why and where a particle went bad.
+struct BadRow {
+  soa::Id id = 0;
+  std::int64_t step = 0;     ///< the step at whose end it was first seen
+  std::string column;        ///< such as "position.x"
+  double value = 0;
+  bool left_domain = false;  ///< else non-finite
+};
+
+/// A run that broke: a particle became non-finite or left the domain and the scene says stop.
+class NumericalError : public std::runtime_error {
+ public:
+  explicit NumericalError(const BadRow& row);
+  const BadRow& row() const { return row_; }
+
+ private:
+  BadRow row_;
+};
+
+class World {
+ public:
+  /// At step 0, with what is emitted then. Throws std::bad_alloc, std::invalid_argument (an instruction set that this binary
+  /// or machine lacks).
+  World(const Setup& setup, const Execution& execution);
+
+  const Setup& setup() const { return setup_; }
+  const Execution& execution() const { return execution_; }
+  std::int64_t step() const { return step_; }
+  double time() const { return setup_.t0 + static_cast<double>(step_) * setup_.dt; }
+  /// Sorted by id; rows that are alive at this step.
+  const soa::Table& particles() const { return particles_; }
+  const Parallel& parallel() const { return parallel_; }
+  /// Impacts and rests since the start.
+  ContactTally tally() const { return tally_; }
+  /// Particles removed because they went bad, since the start.
+  std::uint64_t removed() const { return removed_; }
+  /// The first 100 of them, by step and id.
+  const std::vector<BadRow>& removed_rows() const { return removed_rows_; }
+  /// Particle-steps taken since construction; for rates.
+  std::uint64_t particle_steps() const { return particle_steps_; }
+
+  /// Steps to `step`. Throws NumericalError, naming the earliest bad row; the world is of no further use then.
+  void advance_to(std::int64_t step);
+
+  Diagnostics diagnose() const;
+  StateHash hash() const;
+
+  /// Replaces the state by that of a checkpoint: a table of the same fields, sorted by id, at `step`.
+  void restore(std::int64_t step, soa::Table particles, ContactTally tally, std::uint64_t removed);
+
+  /// Which fields the set-up's tables store.
+  static std::vector<bool> stored_fields(const Setup& setup);
+  /// An empty table of the set-up, uniform values filled in.
+  static soa::Table empty_table(const Setup& setup);
+  /// Particles that the emitters will have emitted at the end of time.
+  static std::uint64_t total_emitted(const Setup& setup);
+  /// Bytes of state that a run of the set-up holds at most.
+  static std::uint64_t state_bytes(const Setup& setup);
+
+ private:
+  void emit_due();
+  std::int64_t pass_end(std::int64_t target) const;
+  template <class T>
+  void run_pass(std::int32_t steps, std::vector<T>& instants);
+  template <class T>
+  ParticlePass<T> whole_pass(std::int32_t steps, const std::vector<T>& instants);
+  template <class T>
+  void rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::uint64_t rows);
+  void report_bad_rows();
+  void remove_dead();
+  void find_next_death();
+
+  Setup setup_;
+  Execution execution_;
+  Parallel parallel_;
+  soa::Table particles_;
+  std::vector<EmissionSchedule> schedules_;
+  std::int64_t step_ = 0;
+  std::int64_t next_death_ = soa::never;
+  ContactTally tally_;
+  std::uint64_t removed_ = 0;
+  std::uint64_t particle_steps_ = 0;
+  std::vector<BadRow> removed_rows_;
+  std::vector<std::size_t> to_remove_;
+  std::vector<BadRow> bad_rows_;  // of the current pass
+  std::vector<float> instants_single_;
+  std::vector<double> instants_twice_;
+  std::vector<std::uint64_t> unsaved_;
+  std::vector<ContactTally> tile_tallies_;
+};
+
+}  // namespace salvo::solver
