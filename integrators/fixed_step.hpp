@@ -7,8 +7,8 @@
 //   Runge-Kutta          four slopes, weights 1 2 2 1                        order 4
 //   velocity Verlet      x += v dt + a dt^2/2; v += (a + a') dt/2            order 2
 //
-// The book's listings of the improved Euler and Runge-Kutta methods advance the position with the new velocity, which is of
-// first order; here position and velocity are one state.
+// The book's listings of the improved Euler and Runge-Kutta methods advance the position with the
+// new velocity, which is of first order; here position and velocity are one state.
 #pragma once
 
 #include "kernels/motion.hpp"
@@ -31,8 +31,7 @@ struct ExplicitEuler {
 struct SemiImplicitEuler {
   template <class V, class Acceleration>
   static Motion<V> step(const Motion<V>& s, V dt, const Acceleration& acceleration) {
-    const Vec3<V> velocity =
-        s.velocity + acceleration(s.position, s.velocity, Instant::start) * dt;
+    const Vec3<V> velocity = s.velocity + acceleration(s.position, s.velocity, Instant::start) * dt;
     return {s.position + velocity * dt, velocity};
   }
 };

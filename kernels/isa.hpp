@@ -1,13 +1,15 @@
 // Instruction sets: one tag type each, and the namespace that keeps their code apart.
 //
-// Everything under kernels/, integrators/ and models/ sits in `inline namespace SALVO_ISA`. A translation unit is compiled
-// for one instruction set (cmake/SalvoKernels.cmake defines SALVO_ISA), so an inline function that it emits carries the
-// instruction set in its name and the linker can never keep an AVX-512 copy for a caller on an older machine.
-// Ordinary translation units compute on scalar lanes in namespace `baseline`.
+// Everything under kernels/, integrators/ and models/ sits in `inline namespace SALVO_ISA`. A
+// translation unit is compiled for one instruction set (cmake/SalvoKernels.cmake defines
+// SALVO_ISA), so an inline function that it emits carries the instruction set in its name and the
+// linker can never keep an AVX-512 copy for a caller on an older machine. Ordinary translation
+// units compute on scalar lanes in namespace `baseline`.
 #pragma once
 
 #ifdef __FAST_MATH__
-#error "salvo cannot keep its bits under -ffast-math: remove it from the flags of this translation unit"
+#error \
+    "salvo cannot keep its bits under -ffast-math: remove it from the flags of this translation unit"
 #endif
 
 #ifndef SALVO_ISA
@@ -17,7 +19,8 @@
 
 namespace salvo::kernels {
 
-/// One value a lane: the executable specification that every other instruction set must match bit for bit.
+/// One value a lane: the executable specification that every other instruction set must match bit
+/// for bit.
 struct Scalar {};
 /// x86-64 baseline: 4 floats or 2 doubles.
 struct Sse2 {};

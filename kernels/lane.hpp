@@ -1,10 +1,13 @@
-// Lane<T, Isa>: one pack of T on one instruction set, limited to the exact set: operations whose result IEEE 754 fixes to
-// the last bit, so that every instruction set, compiler and processor family gives the same one.
+// Lane<T, Isa>: one pack of T on one instruction set, limited to the exact set: operations whose
+// result IEEE 754 fixes to the last bit, so that every instruction set, compiler and processor
+// family gives the same one.
 //
-// The lane holds an xsimd batch and is not an alias of it, because in xsimd 8.1 some operations differ between instruction
-// sets: float division and square root on neon64 are Newton approximations, unary minus on AVX-512 is 0 - x and loses the
-// sign of zero, floor, ceil and trunc lose -0 on SSE2 and neon64, and min and max order NaN differently. This is the only
-// file that includes xsimd. Lane<T, Scalar> is the specification: plain C++ on one T.
+// The lane holds an xsimd batch and is not an alias of it, because in xsimd 8.1 some operations
+// differ between instruction sets: float division and square root on neon64 are Newton
+// approximations, unary minus on AVX-512 is 0 - x and loses the sign of zero, floor, ceil and trunc
+// lose -0 on SSE2 and neon64, min and max order NaN differently, NaN != x is false on AVX, and
+// bitwise_andnot negates its first argument on x86 and its second on neon64. This is the only file
+// that includes xsimd. Lane<T, Scalar> is the specification: plain C++ on one T.
 #pragma once
 
 #include <bit>
@@ -16,7 +19,16 @@
 #include "kernels/isa.hpp"
 
 #if !defined(SALVO_ISA_scalar)
+#if defined(__GNUC__) && !defined(__clang__)
+// gcc 12 takes the undefined registers of its own AVX-512 intrinsics for forgotten variables.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <xsimd/xsimd.hpp>
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 #endif
 #if defined(SALVO_ISA_neon)
 #include <arm_neon.h>
@@ -63,8 +75,7 @@ class Lane<T, Scalar> {
   Lane() = default;
   /// The constant in every lane; rounded to T once.
   template <class U>
-    requires std::is_arithmetic_v<U>
-  Lane(U constant) : value_(static_cast<T>(constant)) {}
+  requires std::is_arithmetic_v<U> Lane(U constant) : value_(static_cast<T>(constant)) {}
 
   static Lane load(const T* source) { return Lane(*source); }
   void store(T* target) const { *target = value_; }
@@ -169,15 +180,14 @@ class Lane {
 
   Lane() = default;
   template <class U>
-    requires std::is_arithmetic_v<U>
-  Lane(U constant) : batch_(static_cast<T>(constant)) {}
+  requires std::is_arithmetic_v<U> Lane(U constant) : batch_(static_cast<T>(constant)) {}
   Lane(Batch batch) : batch_(batch) {}
 
   /// 64-byte aligned source of `width` values.
   static Lane load(const T* source) { return Batch::load_aligned(source); }
   void store(T* target) const { batch_.store_aligned(target); }
-  // Through memory, one value at a time: xsimd 8.1 wants 64-bit indices for doubles and scalar loops on most
-  // instruction sets anyway; the values are what a hardware gather would load.
+  // Through memory, one value at a time: xsimd 8.1 wants 64-bit indices for doubles and scalar
+  // loops on most instruction sets anyway; the values are what a hardware gather would load.
   static Lane gather(const T* base, const std::int32_t* index) {
     alignas(64) T values[width];
     for (std::size_t i = 0; i < width; ++i) values[i] = base[index[i]];
@@ -205,16 +215,17 @@ class Lane {
   friend Mask operator>(Lane a, Lane b) { return a.batch_ > b.batch_; }
   friend Mask operator>=(Lane a, Lane b) { return a.batch_ >= b.batch_; }
   friend Mask operator==(Lane a, Lane b) { return a.batch_ == b.batch_; }
-  friend Mask operator!=(Lane a, Lane b) { return a.batch_ != b.batch_; }
+  // Not xsimd's, which is false for NaN on AVX.
+  friend Mask operator!=(Lane a, Lane b) { return !(a == b); }
   friend Lane sqrt(Lane a) {
 #if defined(SALVO_ISA_neon)
     if constexpr (sizeof(T) == 4) return Batch(vsqrtq_f32(a.batch_));
 #endif
     return xsimd::sqrt(a.batch_);
   }
-  friend Lane abs(Lane a) { return xsimd::bitwise_andnot(a.batch_, sign_bit()); }
+  friend Lane abs(Lane a) { return a.batch_ & magnitude_bits(); }
   friend Lane copysign(Lane a, Lane b) {
-    return xsimd::bitwise_andnot(a.batch_, sign_bit()) | (b.batch_ & sign_bit());
+    return (a.batch_ & magnitude_bits()) | (b.batch_ & sign_bit());
   }
   // copysign restores the -0 that xsimd loses on SSE2 and neon64.
   friend Lane trunc(Lane a) { return copysign(Lane(xsimd::trunc(a.batch_)), a); }
@@ -231,7 +242,11 @@ class Lane {
   }
 
  private:
+  using Bits = typename Lane<T, Scalar>::Bits;
   static Batch sign_bit() { return Batch(static_cast<T>(-0.0)); }
+  static Batch magnitude_bits() {
+    return Batch(std::bit_cast<T>(static_cast<Bits>(~Bits{0} >> 1)));
+  }
 
   Batch batch_;
 };
@@ -240,7 +255,8 @@ class Lane {
 
 // ---- in terms of the above ----------------------------------------------------------------------
 
-/// The lesser; b where either is NaN. Not the hardware's min: x86 and ARM order NaN and -0 differently.
+/// The lesser; b where either is NaN. Not the hardware's min: x86 and ARM order NaN and -0
+/// differently.
 template <class T, class Isa>
 Lane<T, Isa> min(Lane<T, Isa> a, std::type_identity_t<Lane<T, Isa>> b) {
   return select(a < b, a, b);

@@ -10,9 +10,7 @@ template <class V>
 struct Mat3 {
   Vec3<V> row0, row1, row2;
 
-  static Mat3 identity() {
-    return {{V(1), V(0), V(0)}, {V(0), V(1), V(0)}, {V(0), V(0), V(1)}};
-  }
+  static Mat3 identity() { return {{V(1), V(0), V(0)}, {V(0), V(1), V(0)}, {V(0), V(0), V(1)}}; }
   friend Vec3<V> operator*(const Mat3& m, Vec3<V> v) {
     return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)};
   }

@@ -1,4 +1,5 @@
-// The state of a moving point, and the three instants of a step at which its acceleration is asked for.
+// The state of a moving point, and the three instants of a step at which its acceleration is asked
+// for.
 #pragma once
 
 #include "kernels/vec3.hpp"

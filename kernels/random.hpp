@@ -1,6 +1,7 @@
-// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011) of (seed, id, draw). A draw is a pure function of its key,
-// so order, threads, batches and resumption cannot change it. Distributions are ours, over kernels/math, because the
-// standard library's differ between implementations.
+// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011) of (seed, id, draw). A draw is a
+// pure function of its key, so order, threads, batches and resumption cannot change it.
+// Distributions are ours, over kernels/math, because the standard library's differ between
+// implementations.
 #pragma once
 
 #include <Random123/philox.h>
@@ -9,17 +10,17 @@
 
 #include "kernels/math.hpp"
 #include "kernels/vec3.hpp"
-#include "soa/id.hpp"
 
 namespace salvo::kernels {
 inline namespace SALVO_ISA {
 
-/// The draws of one id. Each draw number gives 128 independent bits; a distribution says how many draws it takes.
+/// The draws of one id. Each draw number gives 128 independent bits; a distribution says how many
+/// draws it takes.
 class Draws {
  public:
   using S = ScalarLane<double>;
 
-  Draws(std::uint64_t seed, soa::Id id) : seed_(seed), id_(id) {}
+  Draws(std::uint64_t seed, std::uint64_t id) : seed_(seed), id_(id) {}
 
   /// Uniform on [0, 1), multiples of 2^-53. One draw.
   double uniform(std::uint32_t draw) const { return to_unit(block(draw).first); }
@@ -27,7 +28,8 @@ class Draws {
   double uniform(std::uint32_t draw, double low, double high) const {
     return low + (high - low) * uniform(draw);
   }
-  /// Uniform whole number of [low, high], both included. One draw; biased by less than (high - low) 2^-53.
+  /// Uniform whole number of [low, high], both included. One draw; biased by less than (high - low)
+  /// 2^-53.
   std::int64_t integer(std::uint32_t draw, std::int64_t low, std::int64_t high) const {
     const S count(static_cast<double>(high - low + 1));
     return low + static_cast<std::int64_t>(floor(S(uniform(draw)) * count).value());
@@ -38,8 +40,9 @@ class Draws {
     const double u = to_unit(first) + 0x1p-54;  // never zero, so that the logarithm is finite
     return (sqrt(S(-2) * log(S(u))) * cos(S(2 * pi * to_unit(second)))).value();
   }
-  /// Normal with the given mean and width, truncated to [low, high] by rejection. Draws `draw`, `draw` + stride, ..: the
-  /// caller keeps them free. After 1000 rejections (an interval of probability under 1 %) a uniform value of the interval.
+  /// Normal with the given mean and width, truncated to [low, high] by rejection. Draws `draw`,
+  /// `draw` + stride, ..: the caller keeps them free. After 1000 rejections (an interval of
+  /// probability under 1 %) a uniform value of the interval.
   double truncated_normal(std::uint32_t draw, std::uint32_t stride, double mean, double width,
                           double low, double high) const {
     for (std::uint32_t attempt = 0; attempt < 1000; ++attempt) {
@@ -53,17 +56,19 @@ class Draws {
     const auto [first, second] = block(draw);
     return around_y(S(1 - 2 * to_unit(first)), second);
   }
-  /// Uniform on the cap of the unit sphere within `half_angle` (rad) of the unit vector `axis`. One draw.
+  /// Uniform on the cap of the unit sphere within `half_angle` (rad) of the unit vector `axis`. One
+  /// draw.
   Vec3<double> in_cone(std::uint32_t draw, Vec3<double> axis, double half_angle) const {
     const auto [first, second] = block(draw);
     const S cosine = S(1) - S(to_unit(first)) * (S(1) - cos(S(half_angle)));
     const Vec3<double> d = around_y(cosine, second);
-    // Turn y onto the axis: the shortest rotation, or a half turn about x when the axis is -y.
-    const double w = 1 + axis.y;
-    if (w < 1e-12) return {d.x, -d.y, -d.z};
-    const double k = (d.x * axis.x + d.z * axis.z) / w;
-    return {d.x + axis.x * (d.y - k), d.y * axis.y - (d.x * axis.x + d.z * axis.z),
-            d.z + axis.z * (d.y - k)};
+    // Turn y onto the axis by the shortest rotation. An axis that points down is reached in the
+    // mirror: straight onto it the rotation has no direction at -y and loses digits near it.
+    const double side = axis.y < 0 ? -1 : 1;
+    const double up = axis.y * side;
+    const double along = d.x * axis.x + d.z * axis.z;
+    const double k = d.y - along / (1 + up);
+    return {d.x + axis.x * k, (d.y * up - along) * side, d.z + axis.z * k};
   }
 
   struct Block {
@@ -90,7 +95,7 @@ class Draws {
   }
 
   std::uint64_t seed_;
-  soa::Id id_;
+  std::uint64_t id_;
 };
 
 }  // namespace SALVO_ISA

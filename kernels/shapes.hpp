@@ -1,6 +1,6 @@
-// Signed distance of a point to a solid, in m, negative inside, with the outward unit normal at the nearest point of its
-// surface. Points are relative to the middle of the solid. Every solid here is convex, so the distance is a convex function
-// along any straight line.
+// Signed distance of a point to a solid, in m, negative inside, with the outward unit normal at the
+// nearest point of its surface. Points are relative to the middle of the solid. Every solid here is
+// convex, so the distance is a convex function along any straight line.
 #pragma once
 
 #include "kernels/vec3.hpp"
@@ -26,32 +26,34 @@ Surface<V> sphere_surface(Vec3<V> p, V radius, Vec3<V> fallback) {
   return {norm(p) - radius, normalized_or(p, fallback)};
 }
 
-/// A unit vector at right angles to the unit vector a: along the axis of the scene least aligned with it.
+/// A unit vector at right angles to the unit vector a: along the axis of the scene least aligned
+/// with it.
 template <class V>
 Vec3<V> any_perpendicular(Vec3<V> a) {
   const auto x_least = (abs(a.x) <= abs(a.y)) & (abs(a.x) <= abs(a.z));
   const auto y_least = abs(a.y) <= abs(a.z);
-  const Vec3<V> least{select(x_least, V(1), V(0)), select(!x_least & y_least, V(1), V(0)),
-                      select(!x_least & !y_least, V(1), V(0))};
+  const Vec3<V> least{select(x_least, V(1), V(0)), select((!x_least) & y_least, V(1), V(0)),
+                      select((!x_least) & !y_least, V(1), V(0))};
   return normalized_or(cross(a, least), {V(1), V(0), V(0)});
 }
 
-/// All points within `radius` of a segment of the given half length along the unit vector `axis`: a sphere about the nearest
-/// point of the segment.
+/// All points within `radius` of a segment of the given half length along the unit vector `axis`: a
+/// sphere about the nearest point of the segment.
 template <class V>
 Surface<V> capsule_surface(Vec3<V> p, Vec3<V> axis, V half_length, V radius) {
   const V along = clamp(dot(p, axis), -half_length, half_length);
   return sphere_surface(p - axis * along, radius, any_perpendicular(axis));
 }
 
-/// A box about the origin, axes aligned. Outside, the nearest point is p clamped to the box; inside, the nearest face counts.
+/// A box about the origin, axes aligned. Outside, the nearest point is p clamped to the box;
+/// inside, the nearest face counts.
 template <class V>
 Surface<V> box_surface(Vec3<V> p, Vec3<V> half_size) {
   const Vec3<V> beyond{abs(p.x) - half_size.x, abs(p.y) - half_size.y, abs(p.z) - half_size.z};
   const V deepest = max(beyond.x, max(beyond.y, beyond.z));
   const Vec3<V> outside{max(beyond.x, V(0)), max(beyond.y, V(0)), max(beyond.z, V(0))};
   const auto x_face = beyond.x == deepest;
-  const auto y_face = !x_face & (beyond.y == deepest);
+  const auto y_face = (!x_face) & (beyond.y == deepest);
   const Vec3<V> face{select(x_face, V(1), V(0)), select(y_face, V(1), V(0)),
                      select(x_face | y_face, V(0), V(1))};
   const auto is_outside = deepest > V(0);
@@ -61,7 +63,8 @@ Surface<V> box_surface(Vec3<V> p, Vec3<V> half_size) {
           {copysign(n.x, p.x), copysign(n.y, p.y), copysign(n.z, p.z)}};
 }
 
-/// A cylinder with flat ends along the unit vector `axis`: a box in the plane of the axis and the point.
+/// A cylinder with flat ends along the unit vector `axis`: a box in the plane of the axis and the
+/// point.
 template <class V>
 Surface<V> cylinder_surface(Vec3<V> p, Vec3<V> axis, V half_length, V radius) {
   const V along = dot(p, axis);

@@ -1,7 +1,8 @@
 // What particles bounce off, as plain numbers: SI units, double precision, no instruction set.
 //
-// Obstacles are fixed. They are met in the order of their list: of two impacts at the same instant the lower index comes
-// first, and the book's responses test them one after the other.   [Bourg & Bywalec 5.2-5.4, 8.4]
+// Obstacles are fixed. They are met in the order of their list: of two impacts at the same instant
+// the lower index comes first, and the book's responses test them one after the other.   [Bourg &
+// Bywalec 5.2-5.4, 8.4]
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "models/force_settings.hpp"
@@ -17,9 +19,10 @@ namespace salvo::models {
 
 enum class ObstacleShape { plane, sphere, box, capsule, cylinder, height_field };
 
-/// Heights over a regular grid in x and z: sample (i, j) stands at (x + i spacing, z + j spacing) and is
-/// `heights[j * columns + i]`, in m along +y. Each cell is two triangles that share the diagonal from (i, j) to
-/// (i + 1, j + 1). Below the surface is ground; outside the rectangle there is nothing.
+/// Heights over a regular grid in x and z: sample (i, j) stands at (x + i spacing, z + j spacing)
+/// and is `heights[j * columns + i]`, in m along +y. Each cell is two triangles that share the
+/// diagonal from (i, j) to (i + 1, j + 1). Below the surface is ground; outside the rectangle there
+/// is nothing.
 struct HeightSamples {
   std::size_t columns = 0;  // along x, at least 2
   std::size_t rows = 0;     // along z, at least 2
@@ -58,21 +61,21 @@ inline std::shared_ptr<const HeightSamples> make_height_samples(std::size_t colu
 
 struct Obstacle {
   ObstacleShape shape = ObstacleShape::plane;
-  /// A point of the plane; the middle of a sphere, box, capsule or cylinder; the corner of least x and z of a height field,
-  /// whose samples are heights above center[1]. m
+  /// A point of the plane; the middle of a sphere, box, capsule or cylinder; the corner of least x
+  /// and z of a height field, whose samples are heights above center[1]. m
   Triple center{0, 0, 0};
   /// Unit vector: the outward normal of a plane, the axis of a capsule or a cylinder.
   Triple axis{0, 1, 0};
-  double radius = 1;         // sphere, capsule, cylinder; m
-  double half_length = 1;    // of a capsule's segment, of a cylinder; m
+  double radius = 1;          // sphere, capsule, cylinder; m
+  double half_length = 1;     // of a capsule's segment, of a cylinder; m
   Triple half_size{1, 1, 1};  // of a box along its own axes; m
   /// Unit quaternion w, x, y, z that turns the axes of a box into those of the scene.
   std::array<double, 4> rotation{1, 0, 0, 0};
   std::shared_ptr<const HeightSamples> samples;  // height field
   double restitution = 0.5;
   double friction = 0;  // Coulomb coefficient
-  /// Takes part in the impulse only: the obstacle stays where it is. The book's 100 kg obstacles thus have the effective
-  /// restitution (1 + e) M/(M + m) - 1. kg
+  /// Takes part in the impulse only: the obstacle stays where it is. The book's 100 kg obstacles
+  /// thus have the effective restitution (1 + e) M/(M + m) - 1. kg
   double mass = std::numeric_limits<double>::infinity();
 };
 
@@ -88,6 +91,14 @@ inline Obstacle normalized(Obstacle obstacle) {
   return obstacle;
 }
 
+inline bool is_normalized(const Obstacle& obstacle) {
+  const auto is_one = [](double squares) { return squares > 1 - 1e-9 && squares < 1 + 1e-9; };
+  const Triple& a = obstacle.axis;
+  const std::array<double, 4>& q = obstacle.rotation;
+  return is_one(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) &&
+         is_one(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
 /// How a particle that meets an obstacle is turned back.
 enum class ContactResponse {
   swept,    // the chord of the step is tested, the remaining time continued; nothing tunnels
@@ -99,8 +110,8 @@ struct ContactSettings {
   ContactResponse response = ContactResponse::swept;
   /// Impacts a step after which the next one rests the particle on the surface; swept response.
   int max_impacts = 4;
-  /// Force response, planes: move the particle back along its path to the contact height, as the book's text wants; its
-  /// listing resets the height alone.
+  /// Force response, planes: move the particle back along its path to the contact height, as the
+  /// book's text wants; its listing resets the height alone.
   bool interpolate_at_plane = true;
 };
 

@@ -15,7 +15,8 @@ struct FrameSettings {
   std::int64_t every = 1;  ///< steps between frames; frame 0 is step 0
   std::vector<soa::ParticleField> columns{soa::ParticleField::id, soa::ParticleField::position,
                                           soa::ParticleField::velocity};
-  /// Fraction of the particles, chosen by a hash of the id: the same ones in every frame and every run. 1 keeps all.
+  /// Fraction of the particles, chosen by a hash of the id: the same ones in every frame and every
+  /// run. 1 keeps all.
   double fraction = 1;
 };
 
@@ -30,8 +31,8 @@ struct VerifySettings {
 };
 
 struct Scene {
-  std::string path;   ///< as given on the command line
-  std::string text;   ///< the file, byte for byte
+  std::string path;                    ///< as given on the command line
+  std::string text;                    ///< the file, byte for byte
   std::vector<std::string> overrides;  ///< the --set arguments, in order
   std::string title;
   solver::Setup setup;
@@ -39,11 +40,13 @@ struct Scene {
   FrameSettings frames;
   CheckpointSettings checkpoint;
   VerifySettings verify;
+  std::string scaling;  ///< what scaled_for_verify changed, such as "50000 of 1000000 particles"
 
   std::int64_t frame_count() const { return steps / frames.every + 1; }
 };
 
-/// The digest of everything that decides the bits: scene text, overrides, and the salvo contract version.
+/// The digest of everything that decides the bits: scene text, overrides, and the salvo contract
+/// version.
 solver::Digest scene_digest(const Scene& scene);
 
 /// Version of the bits: changes when any scene's bits change on purpose.

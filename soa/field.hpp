@@ -1,5 +1,5 @@
-// A field: one line of the one list that drives a table's columns, the scene keys, the recording's datasets and attributes,
-// the hash and the documentation.
+// A field: one line of the one list that drives a table's columns, the scene keys, the recording's
+// datasets and attributes, the hash and the documentation.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,13 @@ enum class Scalar : std::uint8_t { real, int32, uint32, uint64 };
 
 constexpr std::size_t size_of(Scalar scalar, Precision precision) {
   switch (scalar) {
-    case Scalar::real: return precision == Precision::single ? 4 : 8;
+    case Scalar::real:
+      return precision == Precision::single ? 4 : 8;
     case Scalar::int32:
-    case Scalar::uint32: return 4;
-    case Scalar::uint64: return 8;
+    case Scalar::uint32:
+      return 4;
+    case Scalar::uint64:
+      return 8;
   }
   return 0;
 }

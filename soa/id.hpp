@@ -1,5 +1,6 @@
-// Particle ids: 64 bits, the emitter's stream (24) and the serial within it (40). Random draws and the state hash are keyed
-// by them, so adding, removing or running an emitter alone changes no other particle.
+// Particle ids: 64 bits, the emitter's stream (24) and the serial within it (40). Random draws and
+// the state hash are keyed by them, so adding, removing or running an emitter alone changes no
+// other particle.
 #pragma once
 
 #include <cstdint>

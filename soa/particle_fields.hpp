@@ -1,4 +1,5 @@
-// The fields of a particle: the one list behind storage, scene keys, recording, hash and documentation.
+// The fields of a particle: the one list behind storage, scene keys, recording, hash and
+// documentation.
 #pragma once
 
 #include <array>
@@ -35,7 +36,8 @@ inline constexpr std::array<Field, 9> particle_fields{{
     {"radius", Scalar::real, 1, "m", "radius, for contact and buoyancy", 0, 0, 1e9},
     {"drag_area", Scalar::real, 1, "m^2", "drag coefficient times frontal area", 0, 0, 1e12},
     {"birth", Scalar::int32, 1, "step", "step at which the particle was emitted", 0, 0, never},
-    {"death", Scalar::int32, 1, "step", "first step at which the particle is gone", never, 0, never},
+    {"death", Scalar::int32, 1, "step", "first step at which the particle is gone", never, 0,
+     never},
     {"group", Scalar::uint32, 1, "", "label of the emitter's choice", 0, 0, 4294967295.0},
 }};
 

@@ -9,11 +9,12 @@ namespace salvo::soa {
 Table::Table(std::span<const Field> fields, Precision precision, const std::vector<bool>& stored)
     : fields_(fields), precision_(precision), stored_(stored), columns_(fields.size()) {
   assert(stored.size() == fields.size() && stored[0] && fields[0].scalar == Scalar::uint64);
+  std::size_t number = 0;
   for (std::size_t f = 0; f < fields.size(); ++f) {
     uniform_.push_back(fields[f].fallback);
     if (!stored_[f]) continue;
     for (std::size_t c = 0; c < fields[f].components; ++c) {
-      columns_[f][c] = Column(size_of(fields[f].scalar, precision));
+      columns_[f][c] = Column(size_of(fields[f].scalar, precision), number++);
     }
   }
 }
@@ -62,7 +63,7 @@ void Table::sort_by_id() {
   if (sorted_by_id()) return;
   std::vector<std::pair<Id, std::size_t>> order(rows_);
   for (std::size_t row = 0; row < rows_; ++row) order[row] = {ids()[row], row};
-  std::sort(order.begin(), order.end());  // ids are unique: no ties
+  std::sort(order.begin(), order.end());  // exact-set: ids are unique, no ties
   AlignedBytes sorted(padded(rows_) * 8);
   for_each_column([&](Column& column) {
     const std::size_t size = column.element_size();

@@ -1,5 +1,5 @@
-// The columns of one kind of thing: rows of a list of fields. A field that has the same value in every row of a scene is not
-// stored: the table keeps that one value.
+// The columns of one kind of thing: rows of a list of fields. A field that has the same value in
+// every row of a scene is not stored: the table keeps that one value.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ namespace salvo::soa {
 
 class Table {
  public:
-  /// Fields with stored[i] false hold `uniform(i)` in every row. Field 0 is the id and is always stored.
+  /// Fields with stored[i] false hold `uniform(i)` in every row. Field 0 is the id and is always
+  /// stored.
   Table(std::span<const Field> fields, Precision precision, const std::vector<bool>& stored);
 
   std::span<const Field> fields() const { return fields_; }
@@ -27,7 +28,8 @@ class Table {
   double uniform(std::size_t field) const { return uniform_[field]; }
   void set_uniform(std::size_t field, double value) { uniform_[field] = value; }
 
-  /// The column of a stored field's component; nullptr when the field is uniform. T must match the field's scalar.
+  /// The column of a stored field's component; nullptr when the field is uniform. T must match the
+  /// field's scalar.
   template <class T>
   T* column(std::size_t field, std::size_t component = 0) {
     assert(sizeof(T) == size_of(fields_[field].scalar, precision_));

@@ -43,8 +43,10 @@ Vec3<double> vector(const Triple& triple) { return {triple[0], triple[1], triple
 
 double sample(const Spread& spread, const Draws& draws, std::uint32_t number) {
   switch (spread.kind) {
-    case Spread::Kind::constant: return spread.a;
-    case Spread::Kind::uniform: return draws.uniform(number, spread.a, spread.b);
+    case Spread::Kind::constant:
+      return spread.a;
+    case Spread::Kind::uniform:
+      return draws.uniform(number, spread.a, spread.b);
     case Spread::Kind::normal: {
       const double low = std::max(spread.a - 4 * spread.b, std::numeric_limits<double>::min());
       return draws.truncated_normal(number, draw::stride, spread.a, spread.b, low,
@@ -95,8 +97,8 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
   born.drag_area = emitter.drag_coefficient
                        ? *emitter.drag_coefficient * (kernels::pi * born.radius * born.radius)
                        : sample(emitter.drag_area, draws, draw::drag_area);
-  born.death = emitter.life ? death_step(step, sample(*emitter.life, draws, draw::life), dt)
-                            : soa::never;
+  born.death =
+      emitter.life ? death_step(step, sample(*emitter.life, draws, draw::life), dt) : soa::never;
   born.position = {0, 0, 0};
   const double speed = sample(emitter.speed, draws, draw::speed);
   switch (emitter.kind) {
@@ -104,8 +106,7 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
     case EmitterKind::energy_explosion:
       born.velocity = draws.on_sphere(draw::direction) * speed;
       if (emitter.source_radius > 0) {
-        const double r =
-            emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
+        const double r = emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
         born.position = draws.on_sphere(draw::place) * r;
       }
       break;
@@ -120,12 +121,13 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
       born.velocity =
           draws.in_cone(draw::direction, vector(emitter.direction), emitter.half_angle) * speed;
       if (emitter.source_radius > 0) {
-        const double r =
-            emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
+        const double r = emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
         born.position = draws.on_sphere(draw::place) * r;
       }
       break;
-    case EmitterKind::book_explosion: book_explosion(emitter, draws, step, dt, born); break;
+    case EmitterKind::book_explosion:
+      book_explosion(emitter, draws, step, dt, born);
+      break;
   }
   born.position += vector(emitter.position);
   born.velocity += vector(emitter.velocity);
@@ -232,10 +234,7 @@ std::int64_t step_at(double time, double t0, double dt) {
 }
 
 EmissionSchedule::EmissionSchedule(const Emitter& emitter, double t0, double dt)
-    : first_(step_at(emitter.time, t0, dt)),
-      last_(first_),
-      per_step_(0),
-      count_(emitter.count) {
+    : first_(step_at(emitter.time, t0, dt)), last_(first_), per_step_(0), count_(emitter.count) {
   if (emitter.kind == EmitterKind::jet) {
     per_step_ = emitter.rate * dt;
     count_ = static_cast<std::uint64_t>(floor(S(emitter.rate * emitter.duration + 1e-9)).value());
@@ -255,7 +254,8 @@ std::uint64_t EmissionSchedule::emitted_before(std::int64_t step) const {
 std::int64_t EmissionSchedule::next(std::int64_t step) const {
   std::int64_t low = std::max(step, first_);
   if (low > last_ || emitted_before(low) == count_) return -1;
-  // The first step after which more have been emitted than before `low`: emitted_before never falls.
+  // The first step after which more have been emitted than before `low`: emitted_before never
+  // falls.
   const std::uint64_t before = emitted_before(low);
   std::int64_t high = last_;
   while (low < high) {

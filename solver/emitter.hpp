@@ -1,5 +1,5 @@
-// Emitters: where particles come from. Every draw is keyed by (seed, stream, serial), so a burst gives the bits it would give
-// alone.
+// Emitters: where particles come from. Every draw is keyed by (seed, stream, serial), so a burst
+// gives the bits it would give alone.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace salvo::solver {
 class Parallel;
 using models::Triple;
 
-/// A number that may differ from particle to particle: `a` alone, uniform on [a, b), or normal with mean a and standard
-/// deviation b, truncated to within four standard deviations and to positive values.
+/// A number that may differ from particle to particle: `a` alone, uniform on [a, b), or normal with
+/// mean a and standard deviation b, truncated to within four standard deviations and to positive
+/// values.
 struct Spread {
   enum class Kind { constant, uniform, normal } kind = Kind::constant;
   double a = 0;
@@ -33,36 +34,37 @@ enum class EmitterKind {
   energy_explosion,  ///< Bourg & Bywalec 18.4.1: speeds from an energy budget
 };
 
-/// How an energy explosion shares its budget. `book` draws each speed from what is left, in order; the others scale drawn
-/// shares so that the budget is met from below.
+/// How an energy explosion shares its budget. `book` draws each speed from what is left, in order;
+/// the others scale drawn shares so that the budget is met from below.
 enum class EnergyShares { equal, uniform, normal, book };
 
 struct Emitter {
   EmitterKind kind = EmitterKind::burst;
   std::string name;
   std::uint64_t stream = 0;
-  std::uint64_t count = 0;     ///< particles; for a jet it follows from rate and duration
-  double time = 0;             ///< s; fires at the first step at or after it
-  Triple position{};           ///< m
-  Triple velocity{};           ///< m/s, added to every particle's
-  double source_radius = 0;    ///< m: ball of a burst, disc-free point source when zero; sphere of a shell
-  Triple direction{0, 1, 0};   ///< of a cone or jet
-  double half_angle = 0;       ///< rad, of a cone or jet
-  Spread speed;                ///< m/s
+  std::uint64_t count = 0;  ///< particles; for a jet it follows from rate and duration
+  double time = 0;          ///< s; fires at the first step at or after it
+  Triple position{};        ///< m
+  Triple velocity{};        ///< m/s, added to every particle's
+  double source_radius =
+      0;  ///< m: ball of a burst, disc-free point source when zero; sphere of a shell
+  Triple direction{0, 1, 0};                  ///< of a cone or jet
+  double half_angle = 0;                      ///< rad, of a cone or jet
+  Spread speed;                               ///< m/s
   Spread mass{Spread::Kind::constant, 1, 0};  ///< kg
-  Spread radius;               ///< m
+  Spread radius;                              ///< m
   /// m^2, or, with `drag_coefficient`, that times pi radius^2.
   Spread drag_area;
   std::optional<double> drag_coefficient;
   std::optional<Spread> life;  ///< s; none: for ever
   std::uint32_t group = 0;
-  double rate = 0;             ///< 1/s, jet
-  double duration = 0;         ///< s, jet
-  double strength = 0;         ///< V0 of the book's explosion, m/s, whole
+  double rate = 0;      ///< 1/s, jet
+  double duration = 0;  ///< s, jet
+  double strength = 0;  ///< V0 of the book's explosion, m/s, whole
   /// degrees: 0 right, 90 up; none: all directions
   std::optional<double> angle;
-  double life_ms = 4000;       ///< life of the book's explosion, ms
-  double energy = 0;           ///< J, budget of an energy explosion
+  double life_ms = 4000;  ///< life of the book's explosion, ms
+  double energy = 0;      ///< J, budget of an energy explosion
   EnergyShares shares = EnergyShares::equal;
 };
 
@@ -84,10 +86,12 @@ class EmissionSchedule {
   std::uint64_t count_;
 };
 
-/// The first step whose time t0 + n dt is at or after `time` (within 1e-9 of a step). Steps start at zero.
+/// The first step whose time t0 + n dt is at or after `time` (within 1e-9 of a step). Steps start
+/// at zero.
 std::int64_t step_at(double time, double t0, double dt);
 
-/// Fills rows [first, first + count) of the table with the serials from `first_serial` on of this emitter, born at `step`.
+/// Fills rows [first, first + count) of the table with the serials from `first_serial` on of this
+/// emitter, born at `step`.
 void emit(const Emitter& emitter, std::uint64_t seed, std::int64_t step, double dt,
           std::uint64_t first_serial, std::uint64_t count, soa::Table& table, std::size_t first,
           const Parallel& parallel);

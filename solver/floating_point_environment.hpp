@@ -1,6 +1,6 @@
-// The floating-point environment of the contract: round to nearest, no flush to zero, no traps. It belongs to a thread, and
-// a foreign library built with -ffast-math sets flush-to-zero when it is loaded; so every task sets it and restores the
-// caller's on the way out.
+// The floating-point environment of the contract: round to nearest, no flush to zero, no traps. It
+// belongs to a thread, and a foreign library built with -ffast-math sets flush-to-zero when it is
+// loaded; so every task sets it and restores the caller's on the way out.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include "kernels/random.hpp"
 #include "models/particle.hpp"
+#include "soa/id.hpp"
 
 namespace salvo::solver {
 
@@ -25,8 +26,8 @@ double phase(std::uint64_t seed, std::size_t axis, std::size_t term) {
   return 2 * kernels::pi * draws.uniform(0);
 }
 
-// sin(m k (x - U t) + phase) = A cos(m k x) + B sin(m k x), each term with amplitude sigma/2: eight of them have the
-// variance sigma^2.
+// sin(m k (x - U t) + phase) = A cos(m k x) + B sin(m k x), each term with amplitude sigma/2: eight
+// of them have the variance sigma^2.
 template <class T>
 void gust(const models::Gust& gust, std::uint64_t seed, double time, T* out) {
   const double k = 2 * kernels::pi / gust.length;
@@ -67,7 +68,8 @@ void instant_coefficients(const models::ForceSettings& forces, std::uint64_t see
   coefficients.assign(instants * stride, T(0));
   if (!forces.gusty && forces.blasts.empty()) return;
   for (std::size_t i = 0; i < instants; ++i) {
-    // Half steps are exact in double, so an instant's time does not depend on the pass that it is in.
+    // Half steps are exact in double, so an instant's time does not depend on the pass that it is
+    // in.
     const double time = t0 + (static_cast<double>(first_step) + 0.5 * static_cast<double>(i)) * dt;
     T* out = coefficients.data() + i * stride;
     if (forces.gusty) gust(forces.gust, seed, time, out);

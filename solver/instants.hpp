@@ -1,4 +1,5 @@
-// The coefficients of the forces that depend on time alone, for the instants of a pass: a function of the integer step.
+// The coefficients of the forces that depend on time alone, for the instants of a pass: a function
+// of the integer step.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,8 @@
 
 namespace salvo::solver {
 
-/// Fills in what the user left to be derived: gust direction and speed from the mean wind, unit vectors.
+/// Fills in what the user left to be derived: gust direction and speed from the mean wind, unit
+/// vectors.
 models::ForceSettings completed(models::ForceSettings forces);
 
 /// Coefficients for t_n, t_n + dt/2, .., t_n + steps dt, n = first_step: 2 steps + 1 entries of

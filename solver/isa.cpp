@@ -9,13 +9,17 @@ namespace {
 
 constexpr std::array<std::string_view, 5> names{"scalar", "sse2", "avx2", "avx512", "neon"};
 
-// The compiler's own test, because it also asks the operating system (XCR0) whether it saves the wide registers.
+// The compiler's own test, because it also asks the operating system (XCR0) whether it saves the
+// wide registers.
 bool supported(Isa isa) {
   switch (isa) {
-    case Isa::scalar: return true;
+    case Isa::scalar:
+      return true;
 #if defined(__x86_64__)
-    case Isa::sse2: return true;
-    case Isa::avx2: return __builtin_cpu_supports("avx2");
+    case Isa::sse2:
+      return true;
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2");
 #ifndef SALVO_NO_AVX512
     case Isa::avx512:
       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
@@ -23,9 +27,11 @@ bool supported(Isa isa) {
              __builtin_cpu_supports("avx512vl");
 #endif
 #elif defined(__aarch64__)
-    case Isa::neon: return true;
+    case Isa::neon:
+      return true;
 #endif
-    default: return false;
+    default:
+      return false;
   }
 }
 

@@ -1,4 +1,5 @@
-// Instruction sets at run time: which ones this binary holds, which this machine runs, and their names.
+// Instruction sets at run time: which ones this binary holds, which this machine runs, and their
+// names.
 #pragma once
 
 #include <optional>
@@ -12,7 +13,8 @@ enum class Isa { scalar, sse2, avx2, avx512, neon };
 std::string_view name(Isa isa);
 std::optional<Isa> isa_named(std::string_view name);
 
-/// The instruction sets that are compiled in and that processor and operating system support, narrowest first.
+/// The instruction sets that are compiled in and that processor and operating system support,
+/// narrowest first.
 std::vector<Isa> available_isas();
 
 /// The widest of them.

@@ -46,16 +46,26 @@ class FirstFailure {
 
 }  // namespace
 
-int hardware_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+int hardware_threads() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 #ifdef SALVO_PARALLEL_TBB
 
+namespace {
+
+// More threads than cores must be allowed: results may not depend on the count, and users test it.
+// One limit for the whole process and for ever: of several, TBB takes the lowest, so that a world
+// of one thread would leave every other world without workers.
+void allow_threads(int threads) {
+  if (threads <= hardware_threads()) return;
+  static const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 1024);
+}
+
+}  // namespace
+
 struct Parallel::Arena {
-  explicit Arena(int threads)
-      : allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        arena(threads) {}
-  // More threads than cores must be allowed: results may not depend on the count, and users test that.
-  tbb::global_control allow;
+  explicit Arena(int threads) : arena((allow_threads(threads), threads)) {}
   tbb::task_arena arena;
 };
 

@@ -6,9 +6,9 @@
 
 namespace salvo::solver {
 
-#define SALVO_DECLARE_TABLE(ISA)                         \
-  namespace ISA {                                        \
-  extern const ParticleKernels particle_kernel_table;    \
+#define SALVO_DECLARE_TABLE(ISA)                      \
+  namespace ISA {                                     \
+  extern const ParticleKernels particle_kernel_table; \
   }
 SALVO_DECLARE_TABLE(scalar)
 #if defined(__x86_64__)
@@ -24,17 +24,23 @@ SALVO_DECLARE_TABLE(neon)
 
 const ParticleKernels& particle_kernels(Isa isa) {
   switch (isa) {
-    case Isa::scalar: return scalar::particle_kernel_table;
+    case Isa::scalar:
+      return scalar::particle_kernel_table;
 #if defined(__x86_64__)
-    case Isa::sse2: return sse2::particle_kernel_table;
-    case Isa::avx2: return avx2::particle_kernel_table;
+    case Isa::sse2:
+      return sse2::particle_kernel_table;
+    case Isa::avx2:
+      return avx2::particle_kernel_table;
 #ifndef SALVO_NO_AVX512
-    case Isa::avx512: return avx512::particle_kernel_table;
+    case Isa::avx512:
+      return avx512::particle_kernel_table;
 #endif
 #elif defined(__aarch64__)
-    case Isa::neon: return neon::particle_kernel_table;
+    case Isa::neon:
+      return neon::particle_kernel_table;
 #endif
-    default: break;
+    default:
+      break;
   }
   throw std::invalid_argument("this build has no kernels for " + std::string(name(isa)));
 }

@@ -1,6 +1,6 @@
-// The particle step, compiled once per instruction set: where storage and physics meet. Four packs are advanced in turn so
-// that the latency of one pack's square root hides behind the arithmetic of the others, and they stay in registers for all
-// steps of the pass.
+// The particle step, compiled once per instruction set: where storage and physics meet. Four packs
+// are advanced in turn so that the latency of one pack's square root hides behind the arithmetic of
+// the others, and they stay in registers for all steps of the pass.
 #include <algorithm>
 #include <utility>
 
@@ -40,20 +40,22 @@ class PassContext {
     return forces_.coefficients(row);
   }
 
+  /// One step under gravity, drag and a uniform wind.
   template <class Integrator>
-  Motion<V> free_step(const Motion<V>& motion, const models::ParticleCoefficients<V>& c,
-                      const T* instants) const {
-    return Integrator::step(motion, dt_, [&](Vec3<V> position, Vec3<V> velocity, Instant instant) {
-      return forces_.acceleration(position, velocity, c,
-                                  instants + static_cast<std::size_t>(instant) *
-                                                 pass_.instant_stride);
-    });
+  [[gnu::always_inline]] Motion<V> plain_step(const Motion<V>& motion,
+                                              const models::ParticleCoefficients<V>& c) const {
+    return Integrator::step(
+        motion, dt_, [&](Vec3<V>, Vec3<V> velocity, Instant) __attribute__((always_inline)) {
+          return forces_.plain_acceleration(velocity, c);
+        });
   }
 
+  /// One step under all forces, and the obstacles.
   template <class Integrator>
-  Motion<V> contact_step(const Motion<V>& motion, const models::ParticleCoefficients<V>& c,
-                         const models::ParticleRow<V>& row, const T* instants,
-                         typename V::Mask active, models::ContactCount<V>& count) const {
+  Motion<V> full_step(const Motion<V>& motion, const models::ParticleCoefficients<V>& c,
+                      const models::ParticleRow<V>& row, const T* instants, typename V::Mask active,
+                      models::ContactCount<V>& count) const {
+    if (!any_contact()) return free_step<Integrator>(motion, c, instants);
     switch (pass_.contact.response) {
       case ContactResponse::swept:
         return contact_.resolve(motion, free_step<Integrator>(motion, c, instants), row, dt_,
@@ -68,6 +70,8 @@ class PassContext {
     return motion;
   }
 
+  /// True when every row takes plain steps.
+  bool plain() const { return forces_.plain() && !any_contact() && !bounded(); }
   bool any_contact() const { return !pass_.obstacles.empty(); }
   bool bounded() const { return pass_.domain.bounded; }
 
@@ -77,6 +81,16 @@ class PassContext {
   }
 
  private:
+  template <class Integrator>
+  Motion<V> free_step(const Motion<V>& motion, const models::ParticleCoefficients<V>& c,
+                      const T* instants) const {
+    if (forces_.plain()) return plain_step<Integrator>(motion, c);
+    return Integrator::step(motion, dt_, [&](Vec3<V> position, Vec3<V> velocity, Instant instant) {
+      const std::size_t offset = static_cast<std::size_t>(instant) * pass_.instant_stride;
+      return forces_.acceleration(position, velocity, c, instants + offset);
+    });
+  }
+
   const ParticlePass<T>& pass_;
   models::ParticleForces<V> forces_;
   models::Contact<V> contact_;
@@ -85,126 +99,176 @@ class PassContext {
   Vec3<V> highest_;
 };
 
-// `interleaved` packs of neighbouring rows.
-template <class V, class Integrator>
-class Group {
+// `interleaved` packs of neighbouring rows. Everything is forced inline: the packs must live in
+// registers, and a compiler that leaves one call keeps all of them in memory.
+template <class V>
+class Packs {
  public:
   using T = typename V::Real;
   using Mask = typename V::Mask;
   static constexpr std::size_t rows = interleaved * V::width;
 
-  // `remaining`: for each row the steps it still takes, or null when every row takes them all.
-  Group(const PassContext<V>& context, const ParticlePass<T>& pass, std::size_t first,
-        const T* remaining)
-      : context_(context), pass_(pass), first_(first), remaining_(remaining) {
-    for_each_pack([&]<std::size_t P>() {
-      const std::size_t at = first_ + P * V::width;
+  [[gnu::always_inline]] Packs(const PassContext<V>& context, const ParticlePass<T>& pass,
+                               std::size_t first) {
+    for_each_pack([&]<std::size_t P>() __attribute__((always_inline)) {
+      const std::size_t at = first + P * V::width;
       motion_[P] = {{V::load(pass.position[0] + at), V::load(pass.position[1] + at),
                      V::load(pass.position[2] + at)},
                     {V::load(pass.velocity[0] + at), V::load(pass.velocity[1] + at),
                      V::load(pass.velocity[2] + at)}};
-      row_[P] = {pass.mass ? V::load(pass.mass + at) : V(pass.uniform_mass),
-                 pass.radius ? V::load(pass.radius + at) : V(pass.uniform_radius),
-                 pass.drag_area ? V::load(pass.drag_area + at) : V(pass.uniform_drag_area)};
-      if (remaining_) {
-        // Padding rows are zero; a mass of one keeps their arithmetic finite.
-        row_[P].mass = select(row_[P].mass > V(0), row_[P].mass, V(1));
-      }
-      coefficients_[P] = context.coefficients(row_[P]);
-      bad_[P] = Mask(false);
+      coefficients_[P] = context.coefficients(row(pass, at));
+      prefetch(pass, at);
     });
   }
 
-  void advance() {
-    const T* instants = pass_.instants;
-    if (context_.any_contact() || context_.bounded() || remaining_) {
-      for (std::int32_t k = 0; k < pass_.steps; ++k, instants += 2 * pass_.instant_stride) {
-        for_each_pack([&]<std::size_t P>() { careful_step<P>(k, instants); });
-      }
-    } else {
-      for (std::int32_t k = 0; k < pass_.steps; ++k, instants += 2 * pass_.instant_stride) {
-        for_each_pack([&]<std::size_t P>() {
-          motion_[P] =
-              context_.template free_step<Integrator>(motion_[P], coefficients_[P], instants);
-        });
-      }
+  /// Every row takes every step, nothing stands in the way.
+  template <class Integrator>
+  [[gnu::always_inline]] void plain_steps(const PassContext<V>& context, std::int32_t steps) {
+    for (std::int32_t k = 0; k < steps; ++k) {
+      for_each_pack([&]<std::size_t P>() __attribute__((always_inline)) {
+        motion_[P] = context.template plain_step<Integrator>(motion_[P], coefficients_[P]);
+      });
     }
   }
 
-  bool bad() {
-    Mask bad(false);
+  /// All forces, obstacles, the domain and rows that end within the pass. `remaining`: for each row
+  /// the steps it still takes, or null when every row takes them all. Marks in `left` the rows that
+  /// left the domain on the way.
+  template <class Integrator>
+  void full_steps(const PassContext<V>& context, const ParticlePass<T>& pass, std::size_t first,
+                  const T* remaining, ContactTally& tally) {
     for_each_pack([&]<std::size_t P>() {
-      bad = bad | bad_[P] | !(is_finite(motion_[P].position) & is_finite(motion_[P].velocity));
+      const models::ParticleRow<V> this_row = row(pass, first + P * V::width);
+      const V left = remaining ? V::load(remaining + P * V::width) : V(0);
+      models::ContactCount<V> count;
+      Mask outside(false);
+      Motion<V> motion = motion_[P];
+      const T* instants = pass.instants;
+      for (std::int32_t k = 0; k < pass.steps; ++k, instants += 2 * pass.instant_stride) {
+        const Mask active = remaining ? V(static_cast<T>(k)) < left : Mask(true);
+        const Motion<V> next = context.template full_step<Integrator>(
+            motion, coefficients_[P], this_row, instants, active, count);
+        motion = remaining ? select(active, next, motion) : next;
+        if (context.bounded()) outside = outside | (active & context.outside(motion.position));
+      }
+      motion_[P] = motion;
+      outside_[P] = outside;
+      if (context.any_contact()) add(count, tally);
     });
+    left_domain_ = context.bounded();
+  }
+
+  /// True when a row is not finite or has left the domain. May cry wolf (a sum of huge finite
+  /// numbers overflows): the rows are then looked at one by one and come out the same.
+  [[gnu::always_inline]] bool bad() const {
+    V sum(0);
+    for_each_pack([&]<std::size_t P>() __attribute__((always_inline)) {
+      const Vec3<V>& x = motion_[P].position;
+      const Vec3<V>& v = motion_[P].velocity;
+      sum = sum + ((x.x + x.y) + (x.z + v.x) + (v.y + v.z));
+    });
+    Mask bad = !is_finite(sum);
+    if (left_domain_) {
+      for_each_pack([&]<std::size_t P>()
+                        __attribute__((always_inline)) { bad = bad | outside_[P]; });
+    }
     return any(bad);
   }
 
-  void store() const {
-    for_each_pack([&]<std::size_t P>() {
-      const std::size_t at = first_ + P * V::width;
-      motion_[P].position.x.store(pass_.position[0] + at);
-      motion_[P].position.y.store(pass_.position[1] + at);
-      motion_[P].position.z.store(pass_.position[2] + at);
-      motion_[P].velocity.x.store(pass_.velocity[0] + at);
-      motion_[P].velocity.y.store(pass_.velocity[1] + at);
-      motion_[P].velocity.z.store(pass_.velocity[2] + at);
+  [[gnu::always_inline]] void store(const ParticlePass<T>& pass, std::size_t first) const {
+    for_each_pack([&]<std::size_t P>() __attribute__((always_inline)) {
+      const std::size_t at = first + P * V::width;
+      motion_[P].position.x.store(pass.position[0] + at);
+      motion_[P].position.y.store(pass.position[1] + at);
+      motion_[P].position.z.store(pass.position[2] + at);
+      motion_[P].velocity.x.store(pass.velocity[0] + at);
+      motion_[P].velocity.y.store(pass.velocity[1] + at);
+      motion_[P].velocity.z.store(pass.velocity[2] + at);
     });
-  }
-
-  ContactTally tally() const {
-    ContactTally tally;
-    if (!context_.any_contact()) return tally;
-    for_each_pack([&]<std::size_t P>() {
-      alignas(64) T impacts[V::width];
-      alignas(64) T rests[V::width];
-      count_[P].impacts.store(impacts);
-      count_[P].rests.store(rests);
-      for (std::size_t i = 0; i < V::width; ++i) {
-        tally.impacts += static_cast<std::uint64_t>(impacts[i]);
-        tally.rests += static_cast<std::uint64_t>(rests[i]);
-      }
-    });
-    return tally;
   }
 
  private:
   template <class Body>
-  static void for_each_pack(Body&& body) {
-    [&]<std::size_t... P>(std::index_sequence<P...>) {
+  [[gnu::always_inline]] static void for_each_pack(Body&& body) {
+    [&]<std::size_t... P>(std::index_sequence<P...>) __attribute__((always_inline)) {
       (body.template operator()<P>(), ...);
-    }(std::make_index_sequence<interleaved>{});
+    }
+    (std::make_index_sequence<interleaved>{});
   }
 
-  template <std::size_t P>
-  void careful_step(std::int32_t k, const T* instants) {
-    const Mask active =
-        remaining_ ? V(static_cast<T>(k)) < V::load(remaining_ + P * V::width) : Mask(true);
-    const Motion<V> next =
-        context_.any_contact()
-            ? context_.template contact_step<Integrator>(motion_[P], coefficients_[P], row_[P],
-                                                         instants, active, count_[P])
-            : context_.template free_step<Integrator>(motion_[P], coefficients_[P], instants);
-    motion_[P] = remaining_ ? select(active, next, motion_[P]) : next;
-    if (context_.bounded()) bad_[P] = bad_[P] | (active & context_.outside(motion_[P].position));
+  [[gnu::always_inline]] static models::ParticleRow<V> row(const ParticlePass<T>& pass,
+                                                           std::size_t at) {
+    const V mass = pass.mass ? V::load(pass.mass + at) : V(pass.uniform_mass);
+    // Padding rows are zero; a mass of one keeps their arithmetic finite.
+    return {select(mass > V(0), mass, V(1)),
+            pass.radius ? V::load(pass.radius + at) : V(pass.uniform_radius),
+            pass.drag_area ? V::load(pass.drag_area + at) : V(pass.uniform_drag_area)};
   }
 
-  const PassContext<V>& context_;
-  const ParticlePass<T>& pass_;
-  std::size_t first_;
-  const T* remaining_;
+  // A pass of one step is bound by memory: ask for the rows of two blocks on while these are
+  // computed.
+  [[gnu::always_inline]] static void prefetch(const ParticlePass<T>& pass, std::size_t at) {
+    const std::size_t ahead = at + 2 * soa::block_rows;
+    constexpr std::size_t line = soa::alignment / sizeof(T);
+    if (V::width < line && at % line != 0) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      __builtin_prefetch(pass.position[c] + ahead, 1);
+      __builtin_prefetch(pass.velocity[c] + ahead, 1);
+    }
+    if (pass.mass) __builtin_prefetch(pass.mass + ahead, 0);
+    if (pass.drag_area) __builtin_prefetch(pass.drag_area + ahead, 0);
+  }
+
+  static void add(const models::ContactCount<V>& count, ContactTally& tally) {
+    alignas(64) T impacts[V::width];
+    alignas(64) T rests[V::width];
+    count.impacts.store(impacts);
+    count.rests.store(rests);
+    for (std::size_t i = 0; i < V::width; ++i) {
+      tally.impacts += static_cast<std::uint64_t>(impacts[i]);
+      tally.rests += static_cast<std::uint64_t>(rests[i]);
+    }
+  }
+
   Motion<V> motion_[interleaved];
-  models::ParticleRow<V> row_[interleaved];
   models::ParticleCoefficients<V> coefficients_[interleaved];
-  Mask bad_[interleaved];
-  models::ContactCount<V> count_[interleaved];
+  Mask outside_[interleaved];
+  bool left_domain_ = false;
 };
+
+// Rows whose steps are all alike: one call a group, so that the compiler sees the whole loop.
+template <class V, class Integrator>
+[[gnu::noinline]] bool plain_group(const PassContext<V>& context,
+                                   const ParticlePass<typename V::Real>& pass, std::size_t first) {
+  Packs<V> packs(context, pass, first);
+  packs.template plain_steps<Integrator>(context, pass.steps);
+  if (packs.bad() && !pass.keep_bad) return false;
+  packs.store(pass, first);
+  return true;
+}
+
+template <class V, class Integrator>
+[[gnu::noinline]] bool full_group(const PassContext<V>& context,
+                                  ParticlePass<typename V::Real>& pass, std::size_t first,
+                                  const typename V::Real* remaining) {
+  Packs<V> packs(context, pass, first);
+  ContactTally tally;
+  packs.template full_steps<Integrator>(context, pass, first, remaining, tally);
+  if (packs.bad() && !pass.keep_bad) return false;
+  packs.store(pass, first);
+  pass.tally.impacts += tally.impacts;
+  pass.tally.rests += tally.rests;
+  return true;
+}
 
 template <class V, class Integrator>
 void advance_rows(ParticlePass<typename V::Real>& pass) {
   using T = typename V::Real;
-  using Packs = Group<V, Integrator>;
   constexpr std::size_t block = soa::block_rows;
-  static_assert(block % Packs::rows == 0);
+  constexpr std::size_t group = Packs<V>::rows;
+  static_assert(block % group == 0);
+  constexpr std::uint64_t group_bits =
+      group == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << (group % 64)) - 1;
   const PassContext<V> context(pass);
 
   for (std::size_t start = pass.first_row; start < pass.last_row; start += block) {
@@ -213,25 +277,18 @@ void advance_rows(ParticlePass<typename V::Real>& pass) {
     if (masked) {
       const std::size_t live = std::min(block, pass.last_row - start);
       for (std::size_t i = 0; i < block; ++i) {
-        const std::int32_t left = pass.death && i < live ? pass.death[start + i] - pass.first_step
-                                                         : pass.steps;
+        const std::int32_t left =
+            pass.death && i < live ? pass.death[start + i] - pass.first_step : pass.steps;
         remaining[i] = static_cast<T>(i < live ? std::clamp(left, 0, pass.steps) : 0);
       }
     }
     std::uint64_t unsaved = 0;
-    for (std::size_t g = 0; g < block && start + g < pass.last_row; g += Packs::rows) {
-      Packs packs(context, pass, start + g, masked ? remaining + g : nullptr);
-      packs.advance();
-      if (packs.bad() && !pass.keep_bad) {
-        constexpr std::uint64_t ones =
-            Packs::rows == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << (Packs::rows % 64)) - 1;
-        unsaved |= ones << g;
-        continue;
-      }
-      packs.store();
-      const ContactTally tally = packs.tally();
-      pass.tally.impacts += tally.impacts;
-      pass.tally.rests += tally.rests;
+    for (std::size_t g = 0; g < block && start + g < pass.last_row; g += group) {
+      const bool saved = context.plain() && !masked
+                             ? plain_group<V, Integrator>(context, pass, start + g)
+                             : full_group<V, Integrator>(context, pass, start + g,
+                                                         masked ? remaining + g : nullptr);
+      if (!saved) unsaved |= group_bits << g;
     }
     pass.unsaved[(start - pass.first_row) / block] = unsaved;
   }
@@ -247,7 +304,8 @@ void advance(ParticlePass<T>& pass) {
       return advance_rows<V, integrators::SemiImplicitEuler>(pass);
     case IntegratorKind::improved_euler:
       return advance_rows<V, integrators::ImprovedEuler>(pass);
-    case IntegratorKind::runge_kutta_4: return advance_rows<V, integrators::RungeKutta4>(pass);
+    case IntegratorKind::runge_kutta_4:
+      return advance_rows<V, integrators::RungeKutta4>(pass);
     case IntegratorKind::velocity_verlet:
       return advance_rows<V, integrators::VelocityVerlet>(pass);
   }

@@ -1,5 +1,5 @@
-// A pass: the steps a tile of particles takes before it goes back to memory. Plain data only, because it crosses from the
-// ordinary translation units to the kernels of one instruction set.
+// A pass: the steps a tile of particles takes before it goes back to memory. Plain data only,
+// because it crosses from the ordinary translation units to the kernels of one instruction set.
 #pragma once
 
 #include <cstddef>
@@ -33,8 +33,8 @@ struct ContactTally {
   std::uint64_t rests = 0;  ///< particles put to rest by a fifth impact within one step
 };
 
-/// Rows [first_row, last_row) of the columns; first_row is a multiple of 64 and the columns are padded to 64 rows.
-/// A null parameter column means the uniform value.
+/// Rows [first_row, last_row) of the columns; first_row is a multiple of 64 and the columns are
+/// padded to 64 rows. A null parameter column means the uniform value.
 template <class T>
 struct ParticlePass {
   std::size_t first_row = 0;
@@ -57,14 +57,16 @@ struct ParticlePass {
   std::span<const models::Obstacle> obstacles;
   models::ContactSettings contact;
   Domain domain;
-  /// Coefficients of the instants t_n, t_n + dt/2, t_n + dt, t_n + 3dt/2, ..: 2 steps + 1 entries of `instant_stride`.
+  /// Coefficients of the instants t_n, t_n + dt/2, t_n + dt, t_n + 3dt/2, ..: 2 steps + 1 entries
+  /// of `instant_stride`.
   const T* instants = nullptr;
   std::size_t instant_stride = 0;
 
   /// Store rows that went bad too (used to look at them step by step).
   bool keep_bad = false;
-  /// One word for each block of 64 rows from first_row: rows that were left as they were at the start of the pass, because
-  /// one of them, or a neighbour in its pack, became non-finite or left the domain.
+  /// One word for each block of 64 rows from first_row: rows that were left as they were at the
+  /// start of the pass, because one of them, or a neighbour in its pack, became non-finite or left
+  /// the domain.
   std::uint64_t* unsaved = nullptr;
   ContactTally tally;
 };

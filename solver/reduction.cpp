@@ -43,7 +43,8 @@ template <class Value, class Add>
 Value tree(std::vector<Value>& values, Add add) {
   if (values.empty()) return Value{};
   for (std::size_t span = 1; span < values.size(); span *= 2) {
-    for (std::size_t i = 0; i + span < values.size(); i += 2 * span) add(values[i], values[i + span]);
+    for (std::size_t i = 0; i + span < values.size(); i += 2 * span)
+      add(values[i], values[i + span]);
   }
   return values.front();
 }
@@ -81,8 +82,8 @@ double potential(const models::ForceSettings& forces, const std::array<double, 3
 }
 
 template <class T>
-Totals leaf_totals(const Columns<T>& columns, const models::ForceSettings& forces, std::size_t first,
-                   std::size_t last) {
+Totals leaf_totals(const Columns<T>& columns, const models::ForceSettings& forces,
+                   std::size_t first, std::size_t last) {
   std::vector<Totals> lanes(virtual_lanes);
   for (std::size_t row = first; row < last; ++row) {
     Totals& lane = lanes[(row - first) % virtual_lanes];

@@ -76,8 +76,10 @@ Digest leaf_digest(const soa::Table& table, std::size_t field, const Leaf& leaf)
                  ? leaf_digest<float, true>(table, field, leaf)
                  : leaf_digest<double, true>(table, field, leaf);
     case soa::Scalar::int32:
-    case soa::Scalar::uint32: return leaf_digest<std::uint32_t, false>(table, field, leaf);
-    case soa::Scalar::uint64: return leaf_digest<std::uint64_t, false>(table, field, leaf);
+    case soa::Scalar::uint32:
+      return leaf_digest<std::uint32_t, false>(table, field, leaf);
+    case soa::Scalar::uint64:
+      return leaf_digest<std::uint64_t, false>(table, field, leaf);
   }
   return {};
 }

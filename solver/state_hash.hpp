@@ -1,8 +1,9 @@
 // The state hash: the digest of all state in id order.
 //
-// For each stored field, leaves of 4096 consecutive serials of a stream (live rows; id, then the value's components,
-// little-endian, one canonical NaN), XXH3-128 each; then XXH3-128 over (stream, leaf, digest) in order; the total over the
-// fields' names and digests. Leaves are independent, so they hash in parallel and would merge across shards.
+// For each stored field, leaves of 4096 consecutive serials of a stream (live rows; id, then the
+// value's components, little-endian, one canonical NaN), XXH3-128 each; then XXH3-128 over (stream,
+// leaf, digest) in order; the total over the fields' names and digests. Leaves are independent, so
+// they hash in parallel and would merge across shards.
 #pragma once
 
 #include <cstdint>

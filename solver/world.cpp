@@ -29,15 +29,19 @@ std::string describe(const BadRow& row) {
                      row.column, row.value);
 }
 
-const Setup& checked(const Setup& setup, const Execution& execution) {
+const Setup& checked(const Setup& setup) {
+  if (!(setup.dt > 0)) throw std::invalid_argument("the time step must be positive");
+  return setup;
+}
+
+const Execution& checked(const Execution& execution) {
   const std::vector<Isa> available = available_isas();
   if (std::find(available.begin(), available.end(), execution.isa) == available.end()) {
     throw std::invalid_argument(
         fmt::format("this machine cannot run the {} kernels", name(execution.isa)));
   }
-  if (!(setup.dt > 0)) throw std::invalid_argument("the time step must be positive");
   if (execution.pass_steps < 1) throw std::invalid_argument("a pass takes at least one step");
-  return setup;
+  return execution;
 }
 
 double drag_area_of(const Emitter& emitter) {
@@ -48,10 +52,10 @@ double drag_area_of(const Emitter& emitter) {
 
 }  // namespace
 
-NumericalError::NumericalError(const BadRow& row)
-    : std::runtime_error(describe(row)), row_(row) {}
+NumericalError::NumericalError(const BadRow& row) : std::runtime_error(describe(row)), row_(row) {}
 
 std::vector<bool> World::stored_fields(const Setup& setup) {
+  const FloatingPointEnvironment environment;
   std::vector<bool> stored(soa::particle_fields.size(), true);
   const auto same = [&](auto&& value) {
     return std::all_of(setup.emitters.begin(), setup.emitters.end(), [&](const Emitter& emitter) {
@@ -68,22 +72,21 @@ std::vector<bool> World::stored_fields(const Setup& setup) {
   const auto drag_varies = [](const Emitter& e) {
     return e.drag_coefficient ? e.radius.varies() : e.drag_area.varies();
   };
-  stored[index(ParticleField::mass)] =
-      !(never([](const Emitter& e) { return e.mass.varies(); }) &&
-        same([](const Emitter& e) { return e.mass.a; }));
+  stored[index(ParticleField::mass)] = !(never([](const Emitter& e) { return e.mass.varies(); }) &&
+                                         same([](const Emitter& e) { return e.mass.a; }));
   stored[index(ParticleField::radius)] =
       !(never([](const Emitter& e) { return e.radius.varies(); }) &&
         same([](const Emitter& e) { return e.radius.a; }));
   stored[index(ParticleField::drag_area)] = !(never(drag_varies) && same(drag_area_of));
-  stored[index(ParticleField::birth)] =
-      !(never(is_jet) &&
-        same([&](const Emitter& e) { return step_at(e.time, setup.t0, setup.dt); }));
+  stored[index(ParticleField::birth)] = !(
+      never(is_jet) && same([&](const Emitter& e) { return step_at(e.time, setup.t0, setup.dt); }));
   stored[index(ParticleField::death)] = !never(dies);
   stored[index(ParticleField::group)] = !same([](const Emitter& e) { return e.group; });
   return stored;
 }
 
 soa::Table World::empty_table(const Setup& setup) {
+  const FloatingPointEnvironment environment;
   soa::Table table(soa::particle_fields, setup.precision, stored_fields(setup));
   if (setup.emitters.empty()) return table;
   const Emitter& first = setup.emitters.front();
@@ -97,6 +100,7 @@ soa::Table World::empty_table(const Setup& setup) {
 }
 
 std::uint64_t World::total_emitted(const Setup& setup) {
+  const FloatingPointEnvironment environment;
   std::uint64_t total = 0;
   for (const Emitter& emitter : setup.emitters) {
     total += EmissionSchedule(emitter, setup.t0, setup.dt).total();
@@ -115,9 +119,9 @@ std::uint64_t World::state_bytes(const Setup& setup) {
 }
 
 World::World(const Setup& setup, const Execution& execution)
-    : setup_(checked(setup, execution)),
-      execution_(execution),
-      parallel_(execution.threads),
+    : setup_(checked(setup)),
+      execution_(checked(execution)),
+      parallel_(std::make_unique<Parallel>(execution.threads)),
       particles_(empty_table(setup)) {
   const FloatingPointEnvironment environment;
   setup_.forces = completed(setup.forces);
@@ -129,6 +133,11 @@ World::World(const Setup& setup, const Execution& execution)
   particles_.sort_by_id();
 }
 
+void World::execute_as(const Execution& execution) {
+  execution_ = checked(execution);
+  parallel_ = std::make_unique<Parallel>(execution.threads);
+}
+
 void World::emit_due() {
   bool emitted = false;
   for (std::size_t e = 0; e < schedules_.size(); ++e) {
@@ -137,7 +146,7 @@ void World::emit_due() {
     if (count == 0) continue;
     const std::size_t first = particles_.append(count);
     emit(setup_.emitters[e], setup_.seed, step_, setup_.dt, before, count, particles_, first,
-         parallel_);
+         *parallel_);
     emitted = true;
   }
   if (emitted) find_next_death();
@@ -229,7 +238,7 @@ void World::run_pass(std::int32_t steps, std::vector<T>& instants) {
   const std::size_t tiles = (rows + tile_rows - 1) / tile_rows;
   unsaved_.resize(soa::padded(rows) / soa::block_rows);
   tile_tallies_.resize(tiles);
-  parallel_.for_each(tiles, [&](std::size_t tile) {
+  parallel_->for_each(tiles, [&](std::size_t tile) {
     ParticlePass<T> pass = whole;
     pass.first_row = tile * tile_rows;
     pass.last_row = std::min(rows, pass.first_row + tile_rows);
@@ -247,7 +256,8 @@ void World::run_pass(std::int32_t steps, std::vector<T>& instants) {
   }
 }
 
-// Steps the rows of a block that the pass left alone one step at a time, on copies, to find which went bad, when and how.
+// Steps the rows of a block that the pass left alone one step at a time, on copies, to find which
+// went bad, when and how.
 template <class T>
 void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::uint64_t rows) {
   constexpr std::size_t size = soa::block_rows;
@@ -323,9 +333,10 @@ void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::u
 // By step and id, so that the report does not depend on how many steps a pass takes.
 void World::report_bad_rows() {
   if (bad_rows_.empty()) return;
-  std::sort(bad_rows_.begin(), bad_rows_.end(), [](const BadRow& a, const BadRow& b) {
-    return std::pair(a.step, a.id) < std::pair(b.step, b.id);
-  });
+  std::stable_sort(bad_rows_.begin(), bad_rows_.end(),
+            [](const BadRow& a, const BadRow& b) {  // exact-set: (step, id) is unique
+              return std::pair(a.step, a.id) < std::pair(b.step, b.id);
+            });
   if (setup_.on_bad == BadRowPolicy::stop) throw NumericalError(bad_rows_.front());
   removed_ += bad_rows_.size();
   for (const BadRow& row : bad_rows_) {
@@ -350,10 +361,10 @@ void World::remove_dead() {
 
 Diagnostics World::diagnose() const {
   const FloatingPointEnvironment environment;
-  return solver::diagnose(particles_, setup_.forces, parallel_);
+  return solver::diagnose(particles_, setup_.forces, *parallel_);
 }
 
-StateHash World::hash() const { return state_hash(particles_, parallel_); }
+StateHash World::hash() const { return state_hash(particles_, *parallel_); }
 
 void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
                     std::uint64_t removed) {

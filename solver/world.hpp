@@ -1,9 +1,9 @@
-// A world of particles: what a scene describes, stepped through time. The bits of its state are a function of the set-up and
-// the step, and of nothing in Execution.
+// A world of particles: what a scene describes, stepped through time. The bits of its state are a
+// function of the set-up and the step, and of nothing in Execution.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -47,8 +47,8 @@ struct Execution {
 /// Why and where a particle went bad.
 struct BadRow {
   soa::Id id = 0;
-  std::int64_t step = 0;     ///< the step at whose end it was first seen
-  std::string column;        ///< such as "position.x"
+  std::int64_t step = 0;  ///< the step at whose end it was first seen
+  std::string column;     ///< such as "position.x"
   double value = 0;
   bool left_domain = false;  ///< else non-finite
 };
@@ -65,8 +65,8 @@ class NumericalError : public std::runtime_error {
 
 class World {
  public:
-  /// At step 0, with what is emitted then. Throws std::bad_alloc, std::invalid_argument (an instruction set that this binary
-  /// or machine lacks).
+  /// At step 0, with what is emitted then. Throws std::bad_alloc, std::invalid_argument (an
+  /// instruction set that this binary or machine lacks).
   World(const Setup& setup, const Execution& execution);
 
   const Setup& setup() const { return setup_; }
@@ -75,7 +75,7 @@ class World {
   double time() const { return setup_.t0 + static_cast<double>(step_) * setup_.dt; }
   /// Sorted by id; rows that are alive at this step.
   const soa::Table& particles() const { return particles_; }
-  const Parallel& parallel() const { return parallel_; }
+  const Parallel& parallel() const { return *parallel_; }
   /// Impacts and rests since the start.
   ContactTally tally() const { return tally_; }
   /// Particles removed because they went bad, since the start.
@@ -85,13 +85,18 @@ class World {
   /// Particle-steps taken since construction; for rates.
   std::uint64_t particle_steps() const { return particle_steps_; }
 
-  /// Steps to `step`. Throws NumericalError, naming the earliest bad row; the world is of no further use then.
+  /// Goes on in another way, to the same bits. Throws std::invalid_argument.
+  void execute_as(const Execution& execution);
+
+  /// Steps to `step`. Throws NumericalError, naming the earliest bad row; the world is of no
+  /// further use then.
   void advance_to(std::int64_t step);
 
   Diagnostics diagnose() const;
   StateHash hash() const;
 
-  /// Replaces the state by that of a checkpoint: a table of the same fields, sorted by id, at `step`.
+  /// Replaces the state by that of a checkpoint: a table of the same fields, sorted by id, at
+  /// `step`.
   void restore(std::int64_t step, soa::Table particles, ContactTally tally, std::uint64_t removed);
 
   /// Which fields the set-up's tables store.
@@ -118,7 +123,7 @@ class World {
 
   Setup setup_;
   Execution execution_;
-  Parallel parallel_;
+  std::unique_ptr<Parallel> parallel_;
   soa::Table particles_;
   std::vector<EmissionSchedule> schedules_;
   std::int64_t step_ = 0;

@@ -1,0 +1,191 @@
+// salvo info: what this salvo and this machine are, or what a scene is and takes.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+
+#include "cli/json.hpp"
+#include "cli/memory.hpp"
+#include "cli/scene_input.hpp"
+#include "cli/terminal.hpp"
+#include "cli/text.hpp"
+#include "cli/verbs.hpp"
+
+namespace salvo::cli {
+
+namespace {
+
+using solver::Emitter;
+using solver::Setup;
+
+constexpr std::array<const char*, 6> emitter_names{"burst", "shell",          "cone",
+                                                   "jet",   "book_explosion", "energy_explosion"};
+constexpr std::array<const char*, 5> integrator_names{
+    "explicit_euler", "semi_implicit_euler", "improved_euler", "runge_kutta_4", "velocity_verlet"};
+constexpr std::array<const char*, 6> obstacle_names{"plane",   "sphere",   "box",
+                                                    "capsule", "cylinder", "height_field"};
+
+const char* precision_name(soa::Precision precision) {
+  return precision == soa::Precision::single ? "float" : "double";
+}
+
+std::vector<std::string> forces_of(const models::ForceSettings& forces) {
+  std::vector<std::string> names;
+  const auto add = [&](bool present, const char* name) {
+    if (present) names.emplace_back(name);
+  };
+  const models::Triple& g = forces.gravity;
+  add(g[0] != 0 || g[1] != 0 || g[2] != 0, "gravity");
+  add(!forces.point_gravity.empty(), "point gravity");
+  add(forces.linear_drag != 0, "linear drag");
+  add(forces.quadratic_drag, "quadratic drag");
+  add(forces.windy, "wind");
+  add(forces.gusty, "gusts");
+  add(forces.buoyancy, "buoyancy");
+  add(!forces.blasts.empty(), "blast");
+  return names;
+}
+
+std::vector<std::string> column_names(const scene::FrameSettings& frames) {
+  std::vector<std::string> names;
+  for (const soa::ParticleField column : frames.columns) {
+    names.emplace_back(soa::field(column).name);
+  }
+  return names;
+}
+
+// Full states that are kept: on the way, and at the end.
+std::uint64_t checkpoint_count(const scene::Scene& scene) {
+  const std::int64_t every = scene.checkpoint.every;
+  std::int64_t count = every > 0 ? scene.steps / every : 0;
+  if (scene.checkpoint.at_end && (every == 0 || scene.steps % every != 0)) ++count;
+  return static_cast<std::uint64_t>(count);
+}
+
+std::string line(std::string_view label, std::string_view text) {
+  return fmt::format("  {:<12} {}\n", label, text);
+}
+
+void describe_machine(const Options& options) {
+  std::vector<std::string_view> isas;
+  for (const solver::Isa isa : solver::available_isas()) isas.push_back(solver::name(isa));
+  const std::optional<std::uint64_t> memory = available_memory();
+  if (options.json) {
+    print_json({{"version", SALVO_VERSION},
+                {"contract", scene::contract_version},
+                {"isas", isas},
+                {"default_isa", solver::name(solver::widest_isa())},
+                {"threads", solver::hardware_threads()},
+                {"memory_available", memory ? Json(*memory) : Json(nullptr)},
+                {"compiler", SALVO_COMPILER},
+                {"libraries", SALVO_LIBRARIES}});
+    return;
+  }
+  print(fmt::format("salvo {}, contract {}\n", SALVO_VERSION, scene::contract_version));
+  print(line("instructions",
+             fmt::format("{} (the last unless --isa says otherwise)", fmt::join(isas, ", "))));
+  print(line("threads", fmt::to_string(solver::hardware_threads())));
+  if (memory) print(line("memory", bytes_text(*memory) + " available"));
+  print(line("compiler", SALVO_COMPILER));
+  print(line("libraries", SALVO_LIBRARIES));
+}
+
+Json emitter_document(const Emitter& emitter, const Setup& setup) {
+  const solver::EmissionSchedule schedule(emitter, setup.t0, setup.dt);
+  return {{"name", emitter.name},
+          {"kind", emitter_names[static_cast<std::size_t>(emitter.kind)]},
+          {"stream", emitter.stream},
+          {"particles", schedule.total()},
+          {"time", emitter.time}};
+}
+
+void describe_scene(const scene::Scene& scene, const Options& options) {
+  const Setup& setup = scene.setup;
+  const std::uint64_t particles = solver::World::total_emitted(setup);
+  const auto frames = static_cast<std::uint64_t>(scene.frame_count());
+  const std::uint64_t checkpoints = checkpoint_count(scene);
+  const std::uint64_t bytes = frames * frame_bytes(scene) + checkpoints * checkpoint_bytes(scene);
+  const char* integrator = integrator_names[static_cast<std::size_t>(setup.integrator)];
+  std::vector<std::string> obstacles;
+  for (const models::Obstacle& obstacle : setup.obstacles) {
+    obstacles.emplace_back(obstacle_names[static_cast<std::size_t>(obstacle.shape)]);
+  }
+  const double end = setup.t0 + static_cast<double>(scene.steps) * setup.dt;
+  if (options.json) {
+    Json emitters = Json::array();
+    for (const Emitter& emitter : setup.emitters) {
+      emitters.push_back(emitter_document(emitter, setup));
+    }
+    print_json({{"scene", scene_identity(scene)},
+                {"title", scene.title},
+                {"precision", precision_name(setup.precision)},
+                {"seed", setup.seed},
+                {"integrator", integrator},
+                {"forces", forces_of(setup.forces)},
+                {"obstacles", obstacles},
+                {"emitters", emitters},
+                {"particles", particles},
+                {"dt", setup.dt},
+                {"steps", scene.steps},
+                {"time_begin", setup.t0},
+                {"time_end", end},
+                {"memory_bytes", run_bytes(scene, true)},
+                {"frames",
+                 {{"count", frames},
+                  {"every", scene.frames.every},
+                  {"columns", column_names(scene.frames)},
+                  {"fraction", scene.frames.fraction},
+                  {"bytes_each", frame_bytes(scene)}}},
+                {"checkpoints", {{"count", checkpoints}, {"bytes_each", checkpoint_bytes(scene)}}},
+                {"bytes", bytes}});
+    return;
+  }
+  print(fmt::format("{}{}{}\n", scene.path, scene.title.empty() ? "" : ": ", scene.title));
+  print(line("particles", fmt::format("{}, {} precision, seed {}", grouped(particles),
+                                      precision_name(setup.precision), setup.seed)));
+  for (const Emitter& emitter : setup.emitters) {
+    const solver::EmissionSchedule schedule(emitter, setup.t0, setup.dt);
+    print(line("", fmt::format("{} {}: {} at {:g} s (stream {})",
+                               emitter_names[static_cast<std::size_t>(emitter.kind)], emitter.name,
+                               grouped(schedule.total()), emitter.time, emitter.stream)));
+  }
+  const std::vector<std::string> forces = forces_of(setup.forces);
+  print(line("forces", forces.empty() ? "none" : fmt::format("{}", fmt::join(forces, ", "))));
+  print(line("obstacles",
+             obstacles.empty() ? "none" : fmt::format("{}", fmt::join(obstacles, ", "))));
+  print(line("time", fmt::format("{:g} s to {:g} s, {} of {:g} s, {}", setup.t0, end,
+                                 counted(static_cast<std::uint64_t>(scene.steps), "step"), setup.dt,
+                                 integrator)));
+  print(line(
+      "frames",
+      fmt::format("{}, one every {}, {} each: {}{}", grouped(frames),
+                  counted(static_cast<std::uint64_t>(scene.frames.every), "step"),
+                  bytes_text(frame_bytes(scene)), fmt::join(column_names(scene.frames), ", "),
+                  scene.frames.fraction < 1
+                      ? fmt::format(" of {:.3g} % of the particles", 100 * scene.frames.fraction)
+                      : "")));
+  print(line("checkpoints", fmt::format("{}, {} each", grouped(checkpoints),
+                                        bytes_text(checkpoint_bytes(scene)))));
+  print(line("recording", fmt::format("{} at most", bytes_text(bytes))));
+  print(line("memory", bytes_text(run_bytes(scene, true))));
+  print(line("digest", to_string(scene::scene_digest(scene))));
+}
+
+}  // namespace
+
+ExitStatus info(const Options& options) {
+  if (options.keys) {
+    if (options.json) {
+      print_json({{"keys", scene::key_reference()}});
+    } else {
+      print(scene::key_reference());
+    }
+  } else if (options.inputs.empty()) {
+    describe_machine(options);
+  } else {
+    describe_scene(load_scene(options.inputs.front(), options), options);
+  }
+  return ExitStatus::done;
+}
+
+}  // namespace salvo::cli

@@ -1,0 +1,36 @@
+// The names of the files of a recording.
+//
+//   frame_000012.hdf          the 12th frame          checkpoint_000000123.hdf  the full state at
+//   step 123 frames.hdf.series         the frames' times       run.json                  how the
+//   run was made
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace salvo::recording {
+
+inline constexpr const char* series_name = "frames.hdf.series";
+inline constexpr const char* run_name = "run.json";
+
+std::string frame_name(std::int64_t frame);
+std::string checkpoint_name(std::int64_t step);
+
+struct NumberedFile {
+  std::int64_t number = 0;  ///< of the frame, or the step of the checkpoint
+  std::filesystem::path path;
+};
+
+/// By ascending number. Empty when the directory is missing.
+std::vector<NumberedFile> list_frames(const std::filesystem::path& directory);
+std::vector<NumberedFile> list_checkpoints(const std::filesystem::path& directory);
+
+/// All files in the directory whose names are a recording's; not those that are partly written.
+std::vector<std::filesystem::path> recording_files(const std::filesystem::path& directory);
+
+/// Removes what a killed run left half-written. Throws OutputError.
+void remove_partial_files(const std::filesystem::path& directory);
+
+}  // namespace salvo::recording

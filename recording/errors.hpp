@@ -1,0 +1,34 @@
+// What can go wrong with files. Every message is complete: it names the file and says what is the
+// matter.
+#pragma once
+
+#include <stdexcept>
+
+namespace salvo::recording {
+
+class RecordingError : public std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// A file or directory cannot be written: disk full, no permission, a name that is taken.
+class OutputError : public RecordingError {
+  using RecordingError::RecordingError;
+};
+
+/// A file that is missing, truncated, altered, or not a recording of salvo's.
+class CorruptFile : public RecordingError {
+  using RecordingError::RecordingError;
+};
+
+/// The directory holds the recording of another scene, or files that salvo did not write.
+class ForeignRecording : public RecordingError {
+  using RecordingError::RecordingError;
+};
+
+/// A recomputed state has another hash than the recording says: another salvo wrote it, or the
+/// machine errs.
+class StateMismatch : public RecordingError {
+  using RecordingError::RecordingError;
+};
+
+}  // namespace salvo::recording

@@ -1,0 +1,147 @@
+#include "recording/frame_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <stdexcept>
+
+#include "recording/hdf5.hpp"
+#include "recording/sealed_file.hpp"
+#include "soa/particle_fields.hpp"
+
+namespace salvo::recording {
+
+namespace {
+
+using hdf5::Handle;
+
+// Runs `read` on the verified file. A file that is intact and still not understood is one of
+// another program or version.
+template <class Read>
+auto with_file(const std::filesystem::path& path, Read read) {
+  verify_seal(path);
+  const hdf5::Session session;
+  try {
+    const Handle file = hdf5::open_file(path);
+    return read(file);
+  } catch (const hdf5::Error& error) {
+    throw CorruptFile(
+        fmt::format("cannot read {}: it is intact but not a frame of this version: {}",
+                    path.string(), error.what()));
+  } catch (const std::invalid_argument& error) {  // a digest that is none
+    throw CorruptFile(fmt::format("cannot read {}: {}", path.string(), error.what()));
+  }
+}
+
+FrameInfo info_of(hid_t file) {
+  using hdf5::read_attribute;
+  FrameInfo info;
+  const Handle salvo = hdf5::open_group(file, "salvo");
+  info.step = read_attribute<std::int64_t>(salvo, "step");
+  info.time = read_attribute<double>(salvo, "time");
+  info.seed = read_attribute<std::uint64_t>(salvo, "seed");
+  info.precision = hdf5::read_text_attribute(salvo, "precision") == "float" ? soa::Precision::single
+                                                                            : soa::Precision::twice;
+  info.fraction = read_attribute<double>(salvo, "fraction");
+  info.complete = read_attribute<std::uint8_t>(salvo, "complete") != 0;
+  info.scene_text = hdf5::read_text_attribute(salvo, "scene");
+  info.overrides = hdf5::read_texts_attribute(salvo, "overrides");
+  info.scene_digest = solver::digest_from(hdf5::read_text_attribute(salvo, "scene_digest"));
+  info.version = hdf5::read_text_attribute(salvo, "version");
+  info.contract = read_attribute<std::int32_t>(salvo, "contract");
+  info.state_hash = solver::digest_from(hdf5::read_text_attribute(salvo, "state_hash"));
+  info.tally.impacts = read_attribute<std::uint64_t>(salvo, "impacts");
+  info.tally.rests = read_attribute<std::uint64_t>(salvo, "rests");
+  info.removed = read_attribute<std::uint64_t>(salvo, "removed");
+
+  const Handle digests = hdf5::open_group(salvo, "digests");
+  for (const std::string& field : hdf5::attribute_names(digests)) {
+    const std::string digits = hdf5::read_text_attribute(digests, field);
+    info.field_digests.push_back({field, solver::digest_from(digits)});
+  }
+  const Handle uniform = hdf5::open_group(salvo, "uniform");
+  for (const std::string& field : hdf5::attribute_names(uniform)) {
+    info.uniform.push_back({field, read_attribute<double>(uniform, field)});
+  }
+
+  solver::Diagnostics& d = info.diagnostics;
+  const Handle diagnostics = hdf5::open_group(salvo, "diagnostics");
+  d.count = read_attribute<std::uint64_t>(diagnostics, "count");
+  d.mass = read_attribute<double>(diagnostics, "mass");
+  d.momentum = hdf5::read_array_attribute<double, 3>(diagnostics, "momentum");
+  d.center_of_mass = hdf5::read_array_attribute<double, 3>(diagnostics, "center_of_mass");
+  d.kinetic_energy = read_attribute<double>(diagnostics, "kinetic_energy");
+  d.potential_energy = read_attribute<double>(diagnostics, "potential_energy");
+  d.lowest = hdf5::read_array_attribute<double, 3>(diagnostics, "lowest");
+  d.highest = hdf5::read_array_attribute<double, 3>(diagnostics, "highest");
+  d.max_speed = read_attribute<double>(diagnostics, "max_speed");
+  return info;
+}
+
+soa::Scalar scalar_of(hid_t type, soa::Precision precision, const std::string& name) {
+  const hid_t real =
+      precision == soa::Precision::single ? hdf5::type_of<float>() : hdf5::type_of<double>();
+  if (H5Tequal(type, real) > 0) return soa::Scalar::real;
+  if (H5Tequal(type, hdf5::type_of<std::int32_t>()) > 0) return soa::Scalar::int32;
+  if (H5Tequal(type, hdf5::type_of<std::uint32_t>()) > 0) return soa::Scalar::uint32;
+  if (H5Tequal(type, hdf5::type_of<std::uint64_t>()) > 0) return soa::Scalar::uint64;
+  throw hdf5::Error(fmt::format("dataset {} has an unknown type", name));
+}
+
+FrameColumn column_of(hid_t particles, const std::string& name, soa::Precision precision,
+                      std::size_t& rows) {
+  const Handle dataset = hdf5::open_dataset(particles, name);
+  const Handle type = hdf5::type_of_dataset(dataset);
+  const hdf5::Extents extents = hdf5::extents_of(dataset);
+  if (extents.empty() || extents.size() > 2) {
+    throw hdf5::Error(fmt::format("dataset {} is not a table of rows", name));
+  }
+  FrameColumn column;
+  column.name = name;
+  column.unit = hdf5::read_text_attribute(dataset, "units");
+  column.meaning = hdf5::read_text_attribute(dataset, "meaning");
+  column.scalar = scalar_of(type, precision, name);
+  column.components = extents.size() == 2 ? extents[1] : 1;
+  rows = extents[0];
+  column.values.resize(rows * column.components * size_of(column.scalar, precision));
+  hdf5::read_all(dataset, type, column.values.data());
+  return column;
+}
+
+// The place of a field in the list of fields; unknown ones come last.
+std::size_t place_of(const FrameColumn& column) {
+  const std::span<const soa::Field> fields = soa::particle_fields;
+  return static_cast<std::size_t>(
+      std::find_if(fields.begin(), fields.end(),
+                   [&](const soa::Field& field) { return field.name == column.name; }) -
+      fields.begin());
+}
+
+}  // namespace
+
+FrameInfo read_frame_info(const std::filesystem::path& path) {
+  return with_file(path, [](hid_t file) { return info_of(file); });
+}
+
+Frame read_frame(const std::filesystem::path& path) {
+  return with_file(path, [](hid_t file) {
+    Frame frame{info_of(file), 0, {}};
+    const Handle particles = hdf5::open_group(file, "particles");
+    for (const std::string& name : hdf5::names_in(particles)) {
+      std::size_t rows = 0;
+      frame.columns.push_back(column_of(particles, name, frame.info.precision, rows));
+      if (frame.columns.size() > 1 && rows != frame.rows) {
+        throw hdf5::Error(fmt::format("dataset {} has another number of rows", name));
+      }
+      frame.rows = rows;
+    }
+    std::stable_sort(
+        frame.columns.begin(), frame.columns.end(),
+        [](const FrameColumn& a, const FrameColumn& b) { return place_of(a) < place_of(b); });
+    return frame;
+  });
+}
+
+}  // namespace salvo::recording

@@ -1,0 +1,140 @@
+#include "scene/difference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace salvo::scene {
+
+namespace {
+
+constexpr std::array<const char*, 3> axes{".x", ".y", ".z"};
+
+std::string column_name(const soa::Field& field, std::size_t component) {
+  std::string name(field.name);
+  if (field.components > 1) name += axes[component];
+  return name;
+}
+
+template <class T>
+T value_at(const soa::Table& table, std::size_t field, std::size_t component, std::size_t row) {
+  T value;
+  std::memcpy(&value, table.bytes(field, component) + row * sizeof(T), sizeof(T));
+  return value;
+}
+
+template <class T>
+bool same_real(const soa::Table& a, std::size_t row_a, const soa::Table& b, std::size_t row_b,
+               std::size_t field, std::size_t component) {
+  const T x = value_at<T>(a, field, component, row_a);
+  const T y = value_at<T>(b, field, component, row_b);
+  return std::memcmp(&x, &y, sizeof(T)) == 0 || (x != x && y != y);
+}
+
+bool same(const soa::Table& a, std::size_t row_a, const soa::Table& b, std::size_t row_b,
+          std::size_t field, std::size_t component) {
+  switch (a.fields()[field].scalar) {
+    case soa::Scalar::real:
+      return a.precision() == soa::Precision::single
+                 ? same_real<float>(a, row_a, b, row_b, field, component)
+                 : same_real<double>(a, row_a, b, row_b, field, component);
+    case soa::Scalar::int32:
+    case soa::Scalar::uint32:
+      return value_at<std::uint32_t>(a, field, component, row_a) ==
+             value_at<std::uint32_t>(b, field, component, row_b);
+    case soa::Scalar::uint64:
+      return value_at<std::uint64_t>(a, field, component, row_a) ==
+             value_at<std::uint64_t>(b, field, component, row_b);
+  }
+  return true;
+}
+
+std::string text_at(const soa::Table& table, std::size_t field, std::size_t component,
+                    std::size_t row) {
+  switch (table.fields()[field].scalar) {
+    case soa::Scalar::real:
+      return hex_text(table.precision() == soa::Precision::single
+                          ? static_cast<double>(value_at<float>(table, field, component, row))
+                          : value_at<double>(table, field, component, row));
+    case soa::Scalar::int32:
+      return fmt::to_string(value_at<std::int32_t>(table, field, component, row));
+    case soa::Scalar::uint32:
+      return fmt::to_string(value_at<std::uint32_t>(table, field, component, row));
+    case soa::Scalar::uint64:
+      return fmt::to_string(value_at<std::uint64_t>(table, field, component, row));
+  }
+  return {};
+}
+
+// The first column in which two rows of one id differ.
+std::optional<Difference> row_difference(const soa::Table& a, std::size_t row_a,
+                                         const soa::Table& b, std::size_t row_b) {
+  for (std::size_t f = 1; f < a.fields().size(); ++f) {
+    if (!a.stored(f)) continue;
+    for (std::size_t c = 0; c < a.fields()[f].components; ++c) {
+      if (same(a, row_a, b, row_b, f, c)) continue;
+      Difference difference;
+      difference.column = column_name(a.fields()[f], c);
+      difference.id = a.ids()[row_a];
+      difference.reference = text_at(a, f, c, row_a);
+      difference.varied = text_at(b, f, c, row_b);
+      return difference;
+    }
+  }
+  return std::nullopt;
+}
+
+Difference missing_row(soa::Id id, bool in_reference) {
+  Difference difference;
+  difference.column = "id";
+  difference.id = id;
+  difference.reference = in_reference ? fmt::to_string(id) : "absent";
+  difference.varied = in_reference ? "absent" : fmt::to_string(id);
+  return difference;
+}
+
+}  // namespace
+
+std::optional<Difference> first_difference(const soa::Table& reference, const soa::Table& varied) {
+  std::optional<Difference> first;
+  std::uint64_t rows = 0;
+  std::size_t a = 0;
+  std::size_t b = 0;
+  while (a < reference.rows() || b < varied.rows()) {
+    std::optional<Difference> here;
+    const bool a_left = a < reference.rows();
+    const bool b_left = b < varied.rows();
+    if (a_left && (!b_left || reference.ids()[a] < varied.ids()[b])) {
+      here = missing_row(reference.ids()[a++], true);
+    } else if (b_left && (!a_left || varied.ids()[b] < reference.ids()[a])) {
+      here = missing_row(varied.ids()[b++], false);
+    } else {
+      here = row_difference(reference, a++, varied, b++);
+    }
+    if (!here) continue;
+    ++rows;
+    if (!first) first = std::move(here);
+  }
+  if (first) first->rows = rows;
+  return first;
+}
+
+std::string value_text(const soa::Table& table, soa::Id id, const std::string& column) {
+  const soa::Id* end = table.ids() + table.rows();
+  const soa::Id* found = std::lower_bound(table.ids(), end, id);
+  if (found == end || *found != id) return "absent";
+  for (std::size_t f = 0; f < table.fields().size(); ++f) {
+    for (std::size_t c = 0; table.stored(f) && c < table.fields()[f].components; ++c) {
+      if (column_name(table.fields()[f], c) == column) {
+        return text_at(table, f, c, static_cast<std::size_t>(found - table.ids()));
+      }
+    }
+  }
+  return "absent";
+}
+
+std::string hex_text(double value) { return fmt::format("{:a}", value); }
+
+}  // namespace salvo::scene

@@ -1,0 +1,50 @@
+// A TOML document as a tree in which every key and value knows where it was written, with the --set
+// overrides put in. The only file that knows the TOML library is document.cpp.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/mistakes.hpp"
+
+namespace salvo::scene {
+
+struct Member;
+
+struct Value {
+  enum class Kind { boolean, integer, number, string, date, list, table };
+
+  Kind kind = Kind::table;
+  Place place;
+  bool boolean = false;
+  std::int64_t integer = 0;
+  /// Of a string what it says, of an integer or number its decimal digits as written.
+  std::string text;
+  std::vector<Value> items;
+  std::vector<Member> members;
+
+  const Value* find(std::string_view key) const;
+  Value* find(std::string_view key);
+};
+
+struct Member {
+  std::string key;
+  Place key_place;
+  Value value;
+};
+
+/// "a whole number", "a table" ..: the kind as messages name it.
+std::string_view name(Value::Kind kind);
+
+/// The value at a dotted path such as "emitter.0.time", or the deepest one on the way to it.
+const Value& deepest(const Value& root, std::string_view path);
+
+/// The tree of a text with the overrides put in, in order; nothing when the text is not TOML. What
+/// is wrong goes to `mistakes`.
+std::optional<Value> read_document(const std::string& text,
+                                   const std::vector<std::string>& overrides, Mistakes& mistakes);
+
+}  // namespace salvo::scene

@@ -1,0 +1,439 @@
+#include "scene/load.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <system_error>
+
+#include "kernels/math.hpp"
+#include "scene/document.hpp"
+#include "scene/mistakes.hpp"
+#include "scene/scene_keys.hpp"
+#include "scene/terrain.hpp"
+#include "scene/units.hpp"
+#include "solver/floating_point_environment.hpp"
+
+namespace salvo::scene {
+
+namespace {
+
+using models::Obstacle;
+using models::ObstacleShape;
+using solver::EmitterKind;
+using solver::Triple;
+using S = kernels::ScalarLane<double>;
+
+constexpr std::size_t most_samples = std::size_t{1} << 24;
+
+// Turns what the keys hold into a scene, and checks what needs several keys. Values that are wrong
+// were reported when they were read; what follows from them is left out.
+class Completion {
+ public:
+  Completion(const Value& root, SceneKeys& keys, Mistakes& mistakes)
+      : root_(root), keys_(keys), mistakes_(mistakes) {}
+
+  void run() {
+    const std::size_t before = mistakes_.count();
+    complete_time();
+    timed_ = mistakes_.count() == before && keys_.setup.dt > 0 && keys_.steps > 0;
+    complete_forces();
+    complete_obstacles();
+    complete_domain();
+    complete_emitters();
+    if (timed_) complete_frames();
+  }
+
+ private:
+  void fail(const std::string& path, std::string problem, std::string hint = {}) {
+    mistakes_.add(deepest(root_, path).place, std::move(problem), std::move(hint));
+  }
+
+  // True when exactly one of two keys is given; else says so.
+  bool one_of(const std::string& section, bool first_given, const std::string& first,
+              bool second_given, const std::string& second) {
+    if (first_given && second_given) {
+      fail(section + "." + second, fmt::format("\"{}\" and \"{}\" say the same", first, second),
+           "keep one of them");
+    } else if (!first_given && !second_given && !attempted(section, first) &&
+               !attempted(section, second)) {
+      fail(section, fmt::format("missing key \"{}\" in {}", first, label(section)),
+           fmt::format("give it, or \"{}\"", second));
+    }
+    return first_given != second_given;
+  }
+  // A key that is there but was wrong is no missing key.
+  bool attempted(const std::string& section, const std::string& key) const {
+    return deepest(root_, section).find(key) != nullptr;
+  }
+  static std::string label(const std::string& section) {
+    const std::size_t dot = section.find('.');
+    return dot == std::string::npos ? fmt::format("[{}]", section)
+                                    : fmt::format("[[{}]]", section.substr(0, dot));
+  }
+
+  void complete_time() {
+    const TimeKeys& time = keys_.time;
+    keys_.setup.t0 = time.start;
+    if (!root_.find("time")) return;
+    const bool stepped = one_of("time", time.dt.has_value(), "dt",
+                                time.steps_per_second.has_value(), "steps_per_second");
+    const bool limited =
+        one_of("time", time.duration.has_value(), "duration", time.steps.has_value(), "steps");
+    if (stepped) keys_.setup.dt = time.dt ? *time.dt : 1 / *time.steps_per_second;
+    if (!stepped || !limited) return;
+    if (time.steps) {
+      keys_.steps = *time.steps;
+      return;
+    }
+    const double steps = *time.duration / keys_.setup.dt;
+    if (!(steps < static_cast<double>(soa::never))) {
+      fail("time.duration", fmt::format("\"duration\" in [time] is {} steps", steps),
+           fmt::format("expected at most {}", soa::never - 1));
+    } else if (const double whole = std::round(steps);
+               whole < 1 || std::abs(steps - whole) > 1e-6) {
+      const double near = std::max(whole, 1.0);
+      fail(
+          "time.duration", fmt::format("\"duration\" in [time] is {:.9g} steps", steps),
+          fmt::format("expected a whole number of steps, such as {:.9g} s", near * keys_.setup.dt));
+    } else {
+      keys_.steps = static_cast<std::int64_t>(whole);
+    }
+  }
+
+  double end() const { return keys_.setup.t0 + static_cast<double>(keys_.steps) * keys_.setup.dt; }
+
+  // Scales a direction to unit length.
+  void complete_direction(Triple& direction, const std::string& path, const std::string& key) {
+    // The larger components first, so that no square overflows or vanishes.
+    const double largest =
+        std::max({std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2])});
+    if (!(largest > 0)) {
+      fail(path, fmt::format("\"{}\" is zero", key), "a direction has some length");
+      return;
+    }
+    for (double& component : direction) component /= largest;
+    const double length = sqrt(S(direction[0] * direction[0] + direction[1] * direction[1] +
+                                 direction[2] * direction[2]))
+                              .value();
+    for (double& component : direction) component /= length;
+  }
+
+  void complete_forces() {
+    models::ForceSettings& forces = keys_.setup.forces;
+    complete_direction(forces.up, "forces.up", "up");
+    const models::Wind& wind = forces.wind;
+    if (forces.windy && wind.profile == models::WindProfile::log_law &&
+        !(wind.roughness < wind.reference_height)) {
+      fail("forces.wind.roughness",
+           "\"roughness\" in [forces.wind] is not below the reference height",
+           fmt::format("expected less than {} m", wind.reference_height));
+    }
+    if (forces.drag_law == models::DragLaw::book_still_air) complete_still_air();
+    for (std::size_t b = 0; timed_ && b < forces.blasts.size(); ++b) {
+      if (forces.blasts[b].time > end()) {
+        fail(fmt::format("forces.blast.{}.time", b),
+             "\"time\" in [[forces.blast]] is after the end", end_hint());
+      }
+    }
+  }
+
+  // The book's law knows no other part of the air.
+  void complete_still_air() {
+    const models::ForceSettings& forces = keys_.setup.forces;
+    const std::string law = "with drag_law = \"book_still_air\"";
+    if (!forces.quadratic_drag) {
+      fail("forces.drag_law", "\"drag_law\" in [forces] is given, but there is no quadratic drag",
+           "set quadratic_drag = true");
+    }
+    if (forces.linear_drag != 0) {
+      fail("forces.linear_drag", "\"linear_drag\" in [forces] does not go " + law, "remove one");
+    }
+    if (forces.gusty) fail("forces.gust", "[forces.gust] does not go " + law, "remove one");
+    if (forces.windy && forces.wind.profile != models::WindProfile::uniform) {
+      fail("forces.wind.profile", "\"profile\" in [forces.wind] does not go " + law,
+           "expected \"uniform\"");
+    }
+  }
+
+  std::string end_hint() const { return fmt::format("the run ends at {:.9g} s", end()); }
+
+  void complete_obstacles() {
+    for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+      const std::size_t before = mistakes_.count();
+      ObstacleKeys& given = keys_.obstacles[i];
+      const std::string path = fmt::format("obstacle.{}", i);
+      const char* axis = given.shape == ObstacleShape::plane ? "normal" : "axis";
+      complete_direction(given.axis, path + "." + axis, axis);
+      complete_direction(given.rotation_axis, path + ".rotation_axis", "rotation_axis");
+      const S half(0.5 * given.rotation_angle);
+      const double sine = sin(half).value();
+      given.rotation = {cos(half).value(), sine * given.rotation_axis[0],
+                        sine * given.rotation_axis[1], sine * given.rotation_axis[2]};
+      if (given.shape == ObstacleShape::height_field) complete_heights(given, path);
+      if (mistakes_.count() == before) {
+        keys_.setup.obstacles.push_back(models::normalized(static_cast<const Obstacle&>(given)));
+      }
+    }
+  }
+
+  void complete_heights(ObstacleKeys& given, const std::string& path) {
+    if (!one_of(path, given.heights.has_value(), "heights", given.hills.has_value(), "hills")) {
+      return;
+    }
+    if (given.hills) {
+      const Hills& hills = *given.hills;
+      if (!(hills.length > 0) || hills.columns < 2 || hills.rows < 2) return;  // reported
+      if (hills.columns > most_samples / hills.rows) {
+        fail(path + ".hills.rows", too_many_samples(), samples_hint());
+        return;
+      }
+      given.samples = models::make_height_samples(hills.columns, hills.rows, given.spacing,
+                                                  hill_heights(hills, given.spacing));
+      return;
+    }
+    const std::vector<std::vector<double>>& rows = *given.heights;
+    const std::size_t columns = rows.empty() ? 0 : rows.front().size();
+    if (rows.size() < 2 || columns < 2) {
+      fail(path + ".heights", "\"heights\" in [[obstacle]] are too few",
+           "expected at least two rows of at least two samples");
+      return;
+    }
+    if (columns > most_samples / rows.size()) {
+      fail(path + ".heights", too_many_samples(), samples_hint());
+      return;
+    }
+    std::vector<double> heights;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      if (rows[j].size() != columns) {
+        fail(fmt::format("{}.heights.{}", path, j),
+             fmt::format("row {} of \"heights\" in [[obstacle]] has {} samples", j, rows[j].size()),
+             fmt::format("expected {}, as in row 0", columns));
+        return;
+      }
+      heights.insert(heights.end(), rows[j].begin(), rows[j].end());
+    }
+    given.samples =
+        models::make_height_samples(columns, rows.size(), given.spacing, std::move(heights));
+  }
+  static std::string too_many_samples() { return "the height field has too many samples"; }
+  static std::string samples_hint() { return fmt::format("expected at most {}", most_samples); }
+
+  void complete_domain() {
+    const DomainKeys& given = keys_.domain;
+    solver::Setup& setup = keys_.setup;
+    setup.on_bad = given.on_leave;
+    if (!given.lowest && !given.highest) return;
+    if (!given.lowest || !given.highest) {
+      const char* missing = given.lowest ? "highest" : "lowest";
+      if (!attempted("domain", missing)) {
+        fail("domain", fmt::format("missing key \"{}\" in [domain]", missing),
+             "a domain has two corners");
+      }
+      return;
+    }
+    setup.domain = {true, *given.lowest, *given.highest};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (setup.domain.lowest[axis] < setup.domain.highest[axis]) continue;
+      fail("domain.highest",
+           fmt::format("\"highest\" in [domain] is not above \"lowest\" in {}", "xyz"[axis]),
+           fmt::format("expected more than {} m", setup.domain.lowest[axis]));
+      return;
+    }
+  }
+
+  void complete_emitters() {
+    if (root_.find("emitter") && keys_.emitters.empty()) {
+      const std::size_t reported = mistakes_.count();
+      if (reported == 0) fail("emitter", "there is no [[emitter]]", "expected at least one");
+      return;
+    }
+    std::map<std::uint64_t, std::size_t> taken;
+    for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+      EmitterKeys& given = keys_.emitters[i];
+      const std::string path = fmt::format("emitter.{}", i);
+      given.stream = given.given_stream.value_or(i);
+      const auto [first, free] = taken.emplace(given.stream, i);
+      if (!free) {
+        fail(path + ".stream",
+             fmt::format("stream {} is that of emitter {} too", given.stream, first->second),
+             given.given_stream ? "a stream belongs to one emitter"
+                                : "without a stream an emitter takes its place in the list");
+      }
+      complete_emitter(given, path);
+      keys_.setup.emitters.push_back(given);
+    }
+  }
+
+  void complete_emitter(EmitterKeys& given, const std::string& path) {
+    complete_direction(given.direction, path + ".direction", "direction");
+    given.time = given.given_time.value_or(keys_.setup.t0);
+    if (timed_ && given.time < keys_.setup.t0) {
+      fail(path + ".time", "\"time\" in [[emitter]] is before the start",
+           fmt::format("the run starts at {:.9g} s", keys_.setup.t0));
+    } else if (timed_ && given.time > end()) {
+      fail(path + ".time", "\"time\" in [[emitter]] is after the end", end_hint());
+    }
+    if (given.kind == EmitterKind::jet && timed_) complete_jet(given, path);
+    if (given.drag_coefficient && given.given_drag_area) {
+      fail(path + ".drag_coefficient", "\"drag_area\" and \"drag_coefficient\" say the same",
+           "keep one of them");
+    }
+    if (given.drag_coefficient && !given.radius.varies() && given.radius.a == 0 &&
+        !attempted(path, "radius")) {
+      fail(path + ".drag_coefficient", "\"drag_coefficient\" in [[emitter]] needs a radius",
+           "give radius, or drag_area instead");
+    }
+    given.drag_area = given.given_drag_area.value_or(solver::Spread{});
+    if (given.kind == EmitterKind::book_explosion && std::floor(given.strength) != given.strength) {
+      fail(path + ".strength", "\"strength\" in [[emitter]] is not whole",
+           "expected whole metres a second: the book draws whole speeds");
+    }
+    const solver::Domain& domain = keys_.setup.domain;
+    for (std::size_t axis = 0; domain.bounded && axis < 3; ++axis) {
+      const double at = given.position[axis];
+      if (domain.lowest[axis] <= at && at <= domain.highest[axis]) continue;
+      fail(path + ".position",
+           fmt::format("\"position\" in [[emitter]] is outside the domain in {}", "xyz"[axis]),
+           fmt::format("expected {} to {} m", domain.lowest[axis], domain.highest[axis]));
+      break;
+    }
+  }
+
+  void complete_jet(EmitterKeys& given, const std::string& path) {
+    given.duration = given.given_duration.value_or(end() - given.time);
+    const double total = given.rate * given.duration;
+    if (given.rate > 0 && !(total >= 1)) {
+      fail(path + ".rate", fmt::format("the jet emits {:.9g} particles", total),
+           "expected at least 1 within its duration");
+    } else if (total > 0x1p40) {
+      fail(path + ".rate", fmt::format("the jet emits {:.9g} particles", total),
+           "expected at most 2^40 within its duration");
+    }
+  }
+
+  void complete_frames() {
+    const FrameKeys& given = keys_.frame_keys;
+    keys_.frames = given;
+    std::vector<std::string> ways;
+    if (given.given_every) ways.emplace_back("every");
+    if (given.count) ways.emplace_back("count");
+    if (given.per_second) ways.emplace_back("per_second");
+    if (ways.size() > 1) {
+      fail("frames." + ways[1], fmt::format("\"{}\" and \"{}\" say the same", ways[0], ways[1]),
+           "keep one of them");
+      return;
+    }
+    const std::int64_t steps = keys_.steps;
+    if (given.count) {
+      keys_.frames.every = steps / *given.count;
+      if (steps % *given.count != 0) {
+        fail("frames.count", not_whole(fmt::format("{} frames", *given.count)),
+             fmt::format("such as {}", nearest_divisor(*given.count)));
+      }
+    } else if (given.per_second) {
+      const double every = 1 / (*given.per_second * keys_.setup.dt);
+      const double whole = std::round(every);
+      const bool fits = whole >= 1 && std::abs(every - whole) <= 1e-6 && whole <= 0x1p31;
+      if (!fits) {
+        fail("frames.per_second",
+             fmt::format("a frame every {:.9g} steps is no whole number of steps", every),
+             fmt::format("expected a divisor of {:.9g} steps a second", 1 / keys_.setup.dt));
+        return;
+      }
+      keys_.frames.every = static_cast<std::int64_t>(whole);
+      check_every("frames.per_second");
+    } else if (given.given_every) {
+      keys_.frames.every = *given.given_every;
+      check_every("frames.every");
+    }
+    complete_columns();
+  }
+
+  void check_every(const std::string& path) {
+    const std::int64_t every = keys_.frames.every;
+    if (keys_.steps % every == 0) return;
+    fail(path, not_whole(fmt::format("a frame every {} steps", every)),
+         fmt::format("such as {} steps", nearest_divisor(every)));
+  }
+  std::string not_whole(const std::string& what) const {
+    return fmt::format("{} do{} not divide the run of {} steps", what,
+                       what.ends_with("frames") ? "" : "es", keys_.steps);
+  }
+  std::int64_t nearest_divisor(std::int64_t wanted) const {
+    for (std::int64_t off = 0; off < wanted; ++off) {
+      if (keys_.steps % (wanted - off) == 0) return wanted - off;
+      if (wanted + off <= keys_.steps && keys_.steps % (wanted + off) == 0) return wanted + off;
+    }
+    return 1;
+  }
+
+  void complete_columns() {
+    const std::vector<soa::ParticleField>& columns = keys_.frames.columns;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (std::find(columns.begin(), columns.begin() + i, columns[i]) == columns.begin() + i) {
+        continue;
+      }
+      fail(fmt::format("frames.columns.{}", i),
+           fmt::format("\"{}\" is in \"columns\" twice", soa::field(columns[i]).name),
+           "keep one of them");
+    }
+    if (columns.empty()) {
+      fail("frames.columns", "\"columns\" in [frames] is empty", "expected at least one field");
+    }
+  }
+
+  const Value& root_;
+  SceneKeys& keys_;
+  Mistakes& mistakes_;
+  bool timed_ = false;  // the step and the end are known
+};
+
+}  // namespace
+
+SceneError::SceneError(std::vector<std::string> mistakes)
+    : std::runtime_error(fmt::format("{}", fmt::join(mistakes, "\n"))),
+      mistakes_(std::move(mistakes)) {}
+
+Scene parse(const std::string& text, const std::string& path,
+            const std::vector<std::string>& overrides) {
+  const solver::FloatingPointEnvironment environment;
+  Mistakes mistakes(path, text, overrides);
+  SceneKeys keys;
+  if (const std::optional<Value> root = read_document(text, overrides, mistakes)) {
+    Reader reader(scene_section(), mistakes);
+    scene_section().read(reader, *root, keys);
+    Completion(*root, keys, mistakes).run();
+  }
+  if (mistakes.count() != 0) throw SceneError(mistakes.texts());
+  Scene scene = std::move(keys);
+  scene.path = path;
+  scene.text = text;
+  scene.overrides = overrides;
+  return scene;
+}
+
+Scene load(const std::string& path, const std::vector<std::string>& overrides) {
+  const auto refuse = [&](int error) {
+    throw std::system_error(error, std::generic_category(), "cannot read " + path);
+  };
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse(errno != 0 ? errno : ENOENT);
+  std::ostringstream text;
+  text << file.rdbuf();
+  // A folder opens, but gives nothing.
+  if (file.bad() || (text.fail() && errno != 0)) refuse(errno != 0 ? errno : EIO);
+  return parse(text.str(), path, overrides);
+}
+
+std::string key_reference() {
+  return reference(scene_section()) + "\n### Units\n\n" + unit_reference();
+}
+
+}  // namespace salvo::scene

@@ -1,0 +1,103 @@
+// Turns a model into kernels. A model is a class template over the lane type:
+//
+//   template <class V>
+//   struct Pendulum {
+//     static constexpr std::array<salvo::soa::Field, 2> state_fields{{ .. angle .. rate .. }};
+//     static constexpr std::array<salvo::soa::Field, 1> parameter_fields{{ .. length .. }};
+//     std::array<V, 2> rate(V t, const std::array<V, 2>& s, const std::array<V, 1>& p) const;
+//   };
+//
+// In one source, given to salvo_add_kernels:      SALVO_DEFINE_MODEL(pendulum, Pendulum)
+// In a header for the rest of the program:        SALVO_DECLARE_MODEL(pendulum)
+// which declares `const BatchKernels& pendulum_kernels(Isa)`, for salvo::solver::Batch.
+#pragma once
+
+#include <array>
+#include <stdexcept>
+
+#include "integrators/runge_kutta.hpp"
+#include "soa/column.hpp"
+#include "solver/batch.hpp"
+
+namespace salvo::solver {
+inline namespace SALVO_ISA {
+
+template <template <class> class Model, class T>
+void advance_batch(const BatchPass<T>& pass) {
+  using V = kernels::NativeLane<T>;
+  using M = Model<V>;
+  constexpr std::size_t states = M::state_fields.size();
+  constexpr std::size_t parameters = M::parameter_fields.size();
+  const M model{};
+  const V dt(pass.dt);
+  for (std::size_t row = pass.first_row; row < soa::padded(pass.last_row); row += V::width) {
+    std::array<V, states> s;
+    std::array<V, parameters> p;
+    for (std::size_t i = 0; i < states; ++i) s[i] = V::load(pass.state[i] + row);
+    for (std::size_t i = 0; i < parameters; ++i) p[i] = V::load(pass.parameters[i] + row);
+    for (std::int64_t k = 0; k < pass.steps; ++k) {
+      const V t(pass.t0 + static_cast<double>(pass.first_step + k) * pass.dt);
+      s = integrators::runge_kutta_4(
+          s, t, dt, [&](V at, const std::array<V, states>& y) { return model.rate(at, y, p); });
+    }
+    for (std::size_t i = 0; i < states; ++i) s[i].store(pass.state[i] + row);
+  }
+}
+
+}  // namespace SALVO_ISA
+}  // namespace salvo::solver
+
+#define SALVO_JOIN_2(A, B) A##_##B
+#define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
+
+#define SALVO_DEFINE_MODEL(NAME, MODEL)                                                           \
+  namespace salvo_models {                                                                        \
+  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);                           \
+  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){                                  \
+      MODEL<salvo::kernels::NativeLane<float>>::state_fields,                                     \
+      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,                                 \
+      &salvo::solver::advance_batch<MODEL, float>, &salvo::solver::advance_batch<MODEL, double>}; \
+  }
+
+#if defined(__aarch64__)
+#define SALVO_DECLARE_MODEL_WIDE(NAME) extern const salvo::solver::BatchKernels NAME##_neon;
+#define SALVO_MODEL_CASES(NAME)  \
+  case salvo::solver::Isa::neon: \
+    return salvo_models::NAME##_neon;
+#else
+#ifdef SALVO_NO_AVX512
+#define SALVO_DECLARE_MODEL_512(NAME)
+#define SALVO_MODEL_CASE_512(NAME)
+#else
+#define SALVO_DECLARE_MODEL_512(NAME) extern const salvo::solver::BatchKernels NAME##_avx512;
+#define SALVO_MODEL_CASE_512(NAME) \
+  case salvo::solver::Isa::avx512: \
+    return salvo_models::NAME##_avx512;
+#endif
+#define SALVO_DECLARE_MODEL_WIDE(NAME)                  \
+  extern const salvo::solver::BatchKernels NAME##_sse2; \
+  extern const salvo::solver::BatchKernels NAME##_avx2; \
+  SALVO_DECLARE_MODEL_512(NAME)
+#define SALVO_MODEL_CASES(NAME)       \
+  case salvo::solver::Isa::sse2:      \
+    return salvo_models::NAME##_sse2; \
+  case salvo::solver::Isa::avx2:      \
+    return salvo_models::NAME##_avx2; \
+    SALVO_MODEL_CASE_512(NAME)
+#endif
+
+#define SALVO_DECLARE_MODEL(NAME)                                                      \
+  namespace salvo_models {                                                             \
+  extern const salvo::solver::BatchKernels NAME##_scalar;                              \
+  SALVO_DECLARE_MODEL_WIDE(NAME)                                                       \
+  }                                                                                    \
+  inline const salvo::solver::BatchKernels& NAME##_kernels(salvo::solver::Isa isa) {   \
+    switch (isa) {                                                                     \
+      case salvo::solver::Isa::scalar:                                                 \
+        return salvo_models::NAME##_scalar;                                            \
+        SALVO_MODEL_CASES(NAME)                                                        \
+      default:                                                                         \
+        break;                                                                         \
+    }                                                                                  \
+    throw std::invalid_argument("this build has no kernels for this instruction set"); \
+  }

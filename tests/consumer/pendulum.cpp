@@ -1,0 +1,3 @@
+#include "pendulum.hpp"
+
+SALVO_DEFINE_MODEL(pendulum, Pendulum)
