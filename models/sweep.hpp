@@ -254,13 +254,14 @@ class Sweep {
     if (!any(found | going)) return;
 
     V t(0);
+    Vec3<V> normal = at.normal;
     for (int i = 0; i < max_iterations && any(going); ++i) {
       t = select(going, t - gap / slope, t);
       going = going & (t <= V(1)) & (t < hit.fraction);
-      // Lanes that have come to an end keep their t, hence their surface.
       at = solid_surface(obstacle, start + chord_ * t);
       gap = at.distance - radius_;
       slope = dot(at.normal, chord_);
+      normal = select(going, at.normal, normal);
       going = going & (slope < heading.level);
       const Mask arrived = going & (gap <= V(-4 * std::numeric_limits<T>::epsilon()) * slope);
       t = select(arrived & (gap > V(0)), t - gap / slope, t);
@@ -268,7 +269,7 @@ class Sweep {
       going = going & !arrived;
     }
     // Still on its way in after all iterations: close enough, and on the safe side.
-    take(found | going, t, at.normal, obstacle, hit);
+    take(found | going, t, normal, obstacle, hit);
   }
 
   // Narrows [enter, leave] to the part of p + t d within [low, high].

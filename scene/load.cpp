@@ -237,14 +237,14 @@ class Completion {
       }
       return;
     }
-    setup.domain = {true, *given.lowest, *given.highest};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (setup.domain.lowest[axis] < setup.domain.highest[axis]) continue;
+      if ((*given.lowest)[axis] < (*given.highest)[axis]) continue;
       fail("domain.highest",
            fmt::format("\"highest\" in [domain] is not above \"lowest\" in {}", "xyz"[axis]),
-           fmt::format("expected more than {} m", setup.domain.lowest[axis]));
+           fmt::format("expected more than {} m", (*given.lowest)[axis]));
       return;
     }
+    setup.domain = {true, *given.lowest, *given.highest};
   }
 
   void complete_emitters() {

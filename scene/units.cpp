@@ -264,6 +264,7 @@ constexpr std::array dimension_names = std::to_array<DimensionName>({
     {{0, 1, -1, 0}, "a force per speed"},
     {{3, 0, -2, 0}, "a gravitational parameter"},
     {pressure, "a pressure"},
+    {{2, 0, -2, 0}, "an energy per mass"},
 });
 
 std::string_view name_of(const Dimension& dimension) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 namespace salvo::scene {
 
@@ -331,8 +332,7 @@ class Verifier {
     for (std::size_t f = 0; f < steps_.size(); ++f) {
       run.stopped = advance(run, *world, steps_[f]);
       if (run.stopped || f == frames_.size()) {
-        if (!same(run.stopped, expected_stop(run, f)))
-          run.difference = locate(run, f, equal, *world);
+        if (!stops_as_reference(run, f)) run.difference = locate(run, f, equal, *world);
         break;
       }
       if (run.axis == VerifyAxis::rows && f == drop_frame_) {
@@ -355,11 +355,15 @@ class Verifier {
     run.particle_steps += world->particle_steps();
   }
 
-  // Where a run has to stop before a frame, if it has to.
-  std::optional<BadRow> expected_stop(const VerifyRun& run, std::size_t frame) const {
-    const std::optional<BadRow>& stop = runs_.front().stopped;
-    if (frame != frames_.size() || !stop || !takes_part(run, stop->id)) return std::nullopt;
-    return stop;
+  // Whether a run stopped, or did not, before a frame as it should have.
+  bool stops_as_reference(const VerifyRun& run, std::size_t frame) const {
+    std::optional<BadRow> stop;
+    if (frame == frames_.size()) stop = runs_.front().stopped;
+    if (!stop || takes_part(run, stop->id)) return same(run.stopped, stop);
+    // The reference stopped at a particle that this run lacks: the run may go on, to stop at a
+    // later one.
+    return !run.stopped ||
+           std::pair(run.stopped->step, run.stopped->id) > std::pair(stop->step, stop->id);
   }
 
   static bool equal_frame(const VerifyRun& run, const Frame& frame, const Digest& hash,

@@ -1,8 +1,8 @@
 #include "soa/table.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace salvo::soa {
 
@@ -11,7 +11,8 @@ Table::Table(std::span<const Field> fields, Precision precision, const std::vect
   assert(stored.size() == fields.size() && stored[0] && fields[0].scalar == Scalar::uint64);
   std::size_t number = 0;
   for (std::size_t f = 0; f < fields.size(); ++f) {
-    uniform_.push_back(fields[f].fallback);
+    uniform_.push_back(0);
+    set_uniform(f, fields[f].fallback);
     if (!stored_[f]) continue;
     for (std::size_t c = 0; c < fields[f].components; ++c) {
       columns_[f][c] = Column(size_of(fields[f].scalar, precision), number++);
@@ -39,18 +40,37 @@ std::size_t Table::append(std::size_t rows) {
   return first;
 }
 
+namespace {
+
+template <class Element>
+void compact_elements(std::byte* bytes, std::span<const std::uint8_t> keep) {
+  auto* data = reinterpret_cast<Element*>(bytes);
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < keep.size(); ++from) {
+    data[to] = data[from];
+    to += keep[from];
+  }
+}
+
+template <class Element>
+void gather_elements(std::byte* bytes, std::span<const std::uint32_t> order, std::byte* scratch) {
+  auto* data = reinterpret_cast<Element*>(bytes);
+  auto* sorted = reinterpret_cast<Element*>(scratch);
+  for (std::size_t row = 0; row < order.size(); ++row) sorted[row] = data[order[row]];
+  std::copy_n(sorted, order.size(), data);
+}
+
+}  // namespace
+
 void Table::compact(std::span<const std::uint8_t> keep) {
   assert(keep.size() == rows_);
   const auto kept = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{1}));
   if (kept == rows_) return;
   for_each_column([&](Column& column) {
-    const std::size_t size = column.element_size();
-    std::byte* data = column.data();
-    std::size_t to = 0;
-    for (std::size_t from = 0; from < rows_; ++from) {
-      if (keep[from] == 0) continue;
-      if (to != from) std::memcpy(data + to * size, data + from * size, size);
-      ++to;
+    if (column.element_size() == 4) {
+      compact_elements<std::uint32_t>(column.data(), keep);
+    } else {
+      compact_elements<std::uint64_t>(column.data(), keep);
     }
     column.clear_rows(kept, padded(rows_));
   });
@@ -59,18 +79,24 @@ void Table::compact(std::span<const std::uint8_t> keep) {
 
 bool Table::sorted_by_id() const { return std::is_sorted(ids(), ids() + rows_); }
 
+// Rows come in order but for those appended since the last time: they are sorted and merged in.
 void Table::sort_by_id() {
   if (sorted_by_id()) return;
-  std::vector<std::pair<Id, std::size_t>> order(rows_);
-  for (std::size_t row = 0; row < rows_; ++row) order[row] = {ids()[row], row};
-  std::sort(order.begin(), order.end());  // exact-set: ids are unique, no ties
-  AlignedBytes sorted(padded(rows_) * 8);
+  const Id* id = ids();
+  const auto by_id = [id](std::uint32_t a, std::uint32_t b) { return id[a] < id[b]; };
+  std::vector<std::uint32_t> appended(rows_);
+  std::iota(appended.begin(), appended.end(), 0U);
+  const auto in_order = appended.begin() + (std::is_sorted_until(id, id + rows_) - id);
+  std::stable_sort(in_order, appended.end(), by_id);
+  std::vector<std::uint32_t> order(rows_);
+  std::merge(appended.begin(), in_order, in_order, appended.end(), order.begin(), by_id);
+  AlignedBytes scratch(padded(rows_) * 8);
   for_each_column([&](Column& column) {
-    const std::size_t size = column.element_size();
-    for (std::size_t row = 0; row < rows_; ++row) {
-      std::memcpy(sorted.data() + row * size, column.data() + order[row].second * size, size);
+    if (column.element_size() == 4) {
+      gather_elements<std::uint32_t>(column.data(), order, scratch.data());
+    } else {
+      gather_elements<std::uint64_t>(column.data(), order, scratch.data());
     }
-    if (rows_ != 0) std::memcpy(column.data(), sorted.data(), rows_ * size);
   });
 }
 

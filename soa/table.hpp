@@ -26,7 +26,11 @@ class Table {
   std::size_t padded_rows() const { return padded(rows_); }
   bool stored(std::size_t field) const { return stored_[field]; }
   double uniform(std::size_t field) const { return uniform_[field]; }
-  void set_uniform(std::size_t field, double value) { uniform_[field] = value; }
+  /// The value as a row would hold it: rounded to the table's precision.
+  void set_uniform(std::size_t field, double value) {
+    const bool narrow = fields_[field].scalar == Scalar::real && precision_ == Precision::single;
+    uniform_[field] = narrow ? static_cast<double>(static_cast<float>(value)) : value;
+  }
 
   /// The column of a stored field's component; nullptr when the field is uniform. T must match the
   /// field's scalar.

@@ -288,7 +288,15 @@ void advance_rows(ParticlePass<typename V::Real>& pass) {
                              ? plain_group<V, Integrator>(context, pass, start + g)
                              : full_group<V, Integrator>(context, pass, start + g,
                                                          masked ? remaining + g : nullptr);
-      if (!saved) unsaved |= group_bits << g;
+      if (!saved) {
+        unsaved |= group_bits << g;
+      } else if (masked) {
+        for (std::size_t i = g; i < g + group; ++i) {
+          pass.steps_taken += static_cast<std::uint64_t>(remaining[i]);
+        }
+      } else {
+        pass.steps_taken += group * static_cast<std::uint64_t>(pass.steps);
+      }
     }
     pass.unsaved[(start - pass.first_row) / block] = unsaved;
   }

@@ -69,6 +69,7 @@ struct ParticlePass {
   /// the domain.
   std::uint64_t* unsaved = nullptr;
   ContactTally tally;
+  std::uint64_t steps_taken = 0;  ///< by live particles, together
 };
 
 /// The kernels of one instruction set.

@@ -80,7 +80,8 @@ std::vector<bool> World::stored_fields(const Setup& setup) {
   stored[index(ParticleField::drag_area)] = !(never(drag_varies) && same(drag_area_of));
   stored[index(ParticleField::birth)] = !(
       never(is_jet) && same([&](const Emitter& e) { return step_at(e.time, setup.t0, setup.dt); }));
-  stored[index(ParticleField::death)] = !never(dies);
+  // A particle that the scene wants removed dies of it.
+  stored[index(ParticleField::death)] = !never(dies) || setup.on_bad == BadRowPolicy::remove;
   stored[index(ParticleField::group)] = !same([](const Emitter& e) { return e.group; });
   return stored;
 }
@@ -180,11 +181,11 @@ void World::advance_to(std::int64_t target) {
     } else {
       run_pass(steps, instants_twice_);
     }
-    particle_steps_ += particles_.rows() * static_cast<std::uint64_t>(steps);
     step_ += steps;
-    remove_dead();
     emit_due();
   }
+  // Within, the dead only rest: their rows go when somebody looks.
+  remove_dead();
   particles_.sort_by_id();
 }
 
@@ -237,22 +238,23 @@ void World::run_pass(std::int32_t steps, std::vector<T>& instants) {
   const std::size_t rows = particles_.rows();
   const std::size_t tiles = (rows + tile_rows - 1) / tile_rows;
   unsaved_.resize(soa::padded(rows) / soa::block_rows);
-  tile_tallies_.resize(tiles);
+  tile_results_.resize(tiles);
   parallel_->for_each(tiles, [&](std::size_t tile) {
     ParticlePass<T> pass = whole;
     pass.first_row = tile * tile_rows;
     pass.last_row = std::min(rows, pass.first_row + tile_rows);
     pass.unsaved = unsaved_.data() + pass.first_row / soa::block_rows;
     advance_with(kernels, pass);
-    tile_tallies_[tile] = pass.tally;
+    tile_results_[tile] = {pass.tally, pass.steps_taken};
   });
   for (std::size_t block = 0; block < unsaved_.size(); ++block) {
     if (unsaved_[block] != 0) rerun_unsaved(whole, block, unsaved_[block]);
   }
   report_bad_rows();
-  for (const ContactTally& tally : tile_tallies_) {
-    tally_.impacts += tally.impacts;
-    tally_.rests += tally.rests;
+  for (const TileResult& tile : tile_results_) {
+    tally_.impacts += tile.tally.impacts;
+    tally_.rests += tile.tally.rests;
+    particle_steps_ += tile.steps_taken;
   }
 }
 
@@ -263,6 +265,7 @@ void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::u
   constexpr std::size_t size = soa::block_rows;
   alignas(soa::alignment) T copies[9][size] = {};
   alignas(soa::alignment) std::int32_t death[size];
+  bool removed[size] = {};
   std::size_t source[size];
   std::size_t count = 0;
   T* const columns[9] = {pass.position[0],
@@ -307,7 +310,7 @@ void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::u
     single.instants = pass.instants + 2 * static_cast<std::size_t>(k) * pass.instant_stride;
     advance_with(particle_kernels(execution_.isa), single);
     for (std::size_t i = 0; i < count; ++i) {
-      if (death[i] <= single.first_step) continue;
+      if (removed[i] || death[i] <= single.first_step) continue;
       for (std::size_t c = 0; c < 6; ++c) {
         const auto value = static_cast<double>(copies[c][i]);
         const bool outside = setup_.domain.bounded && c < 3 &&
@@ -317,16 +320,24 @@ void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::u
         const BadRow bad{particles_.ids()[source[i]], single.first_step + 1, column_names[c], value,
                          std::isfinite(value)};
         bad_rows_.push_back(bad);
-        to_remove_.push_back(source[i]);
-        death[i] = 0;
+        death[i] = single.first_step + 1;
+        removed[i] = true;
+        // Nobody sees it again, and at zero it rests without being looked at in every pass.
+        for (auto& column : copies) column[i] = 0;
         break;
       }
     }
   }
+  particle_steps_ += single.steps_taken;
   tally_.impacts += single.tally.impacts;
   tally_.rests += single.tally.rests;
+  auto* deaths = particles_.column<std::int32_t>(index(ParticleField::death));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t c = 0; c < 6; ++c) columns[c][source[i]] = copies[c][i];
+    if (removed[i] && deaths) {
+      deaths[source[i]] = death[i];
+      next_death_ = std::min<std::int64_t>(next_death_, death[i]);
+    }
   }
 }
 
@@ -334,9 +345,9 @@ void World::rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::u
 void World::report_bad_rows() {
   if (bad_rows_.empty()) return;
   std::stable_sort(bad_rows_.begin(), bad_rows_.end(),
-            [](const BadRow& a, const BadRow& b) {  // exact-set: (step, id) is unique
-              return std::pair(a.step, a.id) < std::pair(b.step, b.id);
-            });
+                   [](const BadRow& a, const BadRow& b) {  // exact-set: (step, id) is unique
+                     return std::pair(a.step, a.id) < std::pair(b.step, b.id);
+                   });
   if (setup_.on_bad == BadRowPolicy::stop) throw NumericalError(bad_rows_.front());
   removed_ += bad_rows_.size();
   for (const BadRow& row : bad_rows_) {
@@ -346,15 +357,10 @@ void World::report_bad_rows() {
 }
 
 void World::remove_dead() {
-  if (next_death_ > step_ && to_remove_.empty()) return;
-  std::vector<std::uint8_t> keep(particles_.rows(), 1);
-  for (const std::size_t row : to_remove_) keep[row] = 0;
-  to_remove_.clear();
-  if (const auto* death = particles_.column<std::int32_t>(index(ParticleField::death))) {
-    for (std::size_t row = 0; row < keep.size(); ++row) {
-      if (death[row] <= step_) keep[row] = 0;
-    }
-  }
+  if (next_death_ > step_) return;
+  const auto* death = particles_.column<std::int32_t>(index(ParticleField::death));
+  std::vector<std::uint8_t> keep(particles_.rows());
+  for (std::size_t row = 0; row < keep.size(); ++row) keep[row] = death[row] > step_ ? 1 : 0;
   particles_.compact(keep);
   find_next_death();
 }

@@ -109,6 +109,11 @@ class World {
   static std::uint64_t state_bytes(const Setup& setup);
 
  private:
+  struct TileResult {
+    ContactTally tally;
+    std::uint64_t steps_taken = 0;
+  };
+
   void emit_due();
   std::int64_t pass_end(std::int64_t target) const;
   template <class T>
@@ -132,12 +137,11 @@ class World {
   std::uint64_t removed_ = 0;
   std::uint64_t particle_steps_ = 0;
   std::vector<BadRow> removed_rows_;
-  std::vector<std::size_t> to_remove_;
   std::vector<BadRow> bad_rows_;  // of the current pass
   std::vector<float> instants_single_;
   std::vector<double> instants_twice_;
   std::vector<std::uint64_t> unsaved_;
-  std::vector<ContactTally> tile_tallies_;
+  std::vector<TileResult> tile_results_;
 };
 
 }  // namespace salvo::solver

@@ -1032,7 +1032,7 @@ void expect_rest_everywhere(const std::string& integrator) {
                                         const std::string& where) {
         World<T> world(std::move(obstacles));
         world.dt = dt;
-        expect_rest<Integrator>(world, motion<T>({at[0], level + at[1], at[2]}, {0, 0, 0}), 20000,
+        expect_rest<Integrator>(world, motion<T>({at[0], level + at[1], at[2]}, {0, 0, 0}), 6000,
                                 integrator + ", dt " + std::to_string(dt) + ", level " +
                                     std::to_string(level) + ", " + where);
       };

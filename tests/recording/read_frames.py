@@ -68,13 +68,14 @@ def check_with_vtk(path, columns):
     count = len(columns["position"])
     check(grid.GetClassName() == "vtkUnstructuredGrid", f"VTK reads a {grid.GetClassName()}")
     check(grid.GetNumberOfPoints() == count, f"VTK reads {grid.GetNumberOfPoints()} points, not {count}")
-    if count:  # VTK makes no cell of no points
-        check(grid.GetNumberOfCells() == 1, f"VTK reads {grid.GetNumberOfCells()} cells")
-        cell = grid.GetCell(0)
-        check(cell.GetCellType() == VTK_POLY_VERTEX, "the cell is not a poly-vertex")
-        ids = [cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]
-        check(ids == list(range(count)), "the cell does not join all points in order")
-        compare(vtk_to_numpy(grid.GetPoints().GetData()), columns["position"], "VTK's points")
+    if not count:
+        return  # VTK makes neither cell nor arrays of no points
+    check(grid.GetNumberOfCells() == 1, f"VTK reads {grid.GetNumberOfCells()} cells")
+    cell = grid.GetCell(0)
+    check(cell.GetCellType() == VTK_POLY_VERTEX, "the cell is not a poly-vertex")
+    ids = [cell.GetPointId(i) for i in range(cell.GetNumberOfPoints())]
+    check(ids == list(range(count)), "the cell does not join all points in order")
+    compare(vtk_to_numpy(grid.GetPoints().GetData()), columns["position"], "VTK's points")
     data = grid.GetPointData()
     names = {data.GetArrayName(i) for i in range(data.GetNumberOfArrays())}
     check(names == set(columns) - {"position"}, f"VTK reads the arrays {sorted(names)}")

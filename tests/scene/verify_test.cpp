@@ -16,6 +16,8 @@ namespace salvo::tests {
 namespace {
 
 using scene::Difference;
+using scene::first_difference;
+using scene::value_text;
 using scene::VerifyAxis;
 using scene::VerifyOptions;
 using scene::VerifyResult;

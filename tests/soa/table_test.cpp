@@ -172,6 +172,8 @@ TEST(Table, ColumnsAreAlignedAndPaddedToWholeBlocks) {
 TEST(Table, UniformFieldsTakeNoBytesAndKeepOneValue) {
   Table table(fields, Precision::single, {true, true, false, false, true});
   EXPECT_EQ(table.uniform(2), 2.5);  // the field's fallback until somebody sets it
+  table.set_uniform(2, 0.1);
+  EXPECT_EQ(table.uniform(2), static_cast<double>(0.1F));  // as a row would hold it
   table.set_uniform(2, 0.125);
   table.append(65);
   EXPECT_FALSE(table.stored(2));

@@ -116,6 +116,9 @@ inline std::vector<NamedSetup> varied_setups() {
   sources.forces.wind.velocity = {3, 0, 1};
   sources.emitters.assign(5, burst(0, 333));
   for (std::size_t i = 0; i < 5; ++i) sources.emitters[i].stream = 20 + i;
+  sources.emitters[0].mass = uniform(0.01, 0.03);
+  sources.emitters[0].drag_coefficient.reset();
+  sources.emitters[0].drag_area = uniform(1e-4, 3e-4);
   sources.emitters[1].kind = EmitterKind::shell;
   sources.emitters[1].life = constant(0.5);
   sources.emitters[2].kind = EmitterKind::cone;

@@ -1,0 +1,148 @@
+// What is made of a scene: its digest, its size for verify; the key reference and the shipped
+// scenes.
+#include "scene/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "scene/load.hpp"
+
+namespace salvo::scene {
+namespace {
+
+const std::filesystem::path repository =
+    std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+
+const std::string two_emitters = R"([time]
+dt = 0.01
+duration = 1
+[[emitter]]
+kind = "burst"
+count = 100
+[[emitter]]
+kind = "jet"
+rate = 100
+[[emitter]]
+kind = "energy_explosion"
+count = 300
+energy = 600
+[frames]
+every = 10
+[verify]
+rows = 50
+)";
+
+TEST(SceneDigest, DependsOnTextAndOverridesAlone) {
+  const Scene scene = parse(two_emitters, "a.toml");
+  EXPECT_EQ(scene_digest(scene), scene_digest(parse(two_emitters, "b.toml")));
+  EXPECT_NE(scene_digest(scene), scene_digest(parse(two_emitters + "\n", "a.toml")));
+  const Scene one = parse(two_emitters, "a.toml", {"seed=1"});
+  EXPECT_NE(scene_digest(scene), scene_digest(one));
+  EXPECT_NE(scene_digest(one), scene_digest(parse(two_emitters, "a.toml", {"seed=1", "seed=1"})));
+}
+
+TEST(ScaledForVerify, KeepsProportions) {
+  const Scene scene = parse(two_emitters, "a.toml");
+  const Scene scaled = scaled_for_verify(scene);
+  EXPECT_EQ(scaled.setup.emitters[0].count, 10u);
+  EXPECT_EQ(scaled.setup.emitters[1].rate, 10.0);
+  EXPECT_EQ(scaled.setup.emitters[2].count, 30u);
+  EXPECT_EQ(scaled.setup.emitters[2].energy, 60.0);  // as much a particle as before
+  EXPECT_EQ(scaled.steps, 100);
+  EXPECT_EQ(scaled.scaling, "50 of 500 particles");
+}
+
+TEST(ScaledForVerify, KeepsOneParticleOfEach) {
+  Scene scene = parse(two_emitters, "a.toml", {"verify.rows=1"});
+  const Scene scaled = scaled_for_verify(scene);
+  EXPECT_EQ(scaled.setup.emitters[0].count, 1u);
+  EXPECT_EQ(scaled.setup.emitters[2].count, 1u);
+  EXPECT_EQ(solver::World::total_emitted(scaled.setup), 3u);
+}
+
+TEST(ScaledForVerify, LimitsSteps) {
+  const Scene some = scaled_for_verify(parse(two_emitters, "a.toml", {"verify.steps=25"}));
+  EXPECT_EQ(some.steps, 20);
+  EXPECT_EQ(some.frames.every, 10);
+  EXPECT_EQ(some.scaling, "50 of 500 particles, 20 of 100 steps");
+  const Scene few = scaled_for_verify(parse(two_emitters, "a.toml", {"verify.steps=3"}));
+  EXPECT_EQ(few.steps, 3);
+  EXPECT_EQ(few.frames.every, 3);
+}
+
+TEST(ScaledForVerify, LeavesSmallScenesAlone) {
+  const Scene scaled = scaled_for_verify(parse(two_emitters, "a.toml", {"verify.rows=500"}));
+  EXPECT_EQ(scaled.setup.emitters[0].count, 100u);
+  EXPECT_EQ(scaled.scaling, "");
+}
+
+TEST(KeyReference, OfTheDocumentationIsUpToDate) {
+  std::ifstream file(repository / "docs" / "scenes.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  const std::size_t at = text.str().find("### The scene\n");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(text.str().substr(at), key_reference())
+      << "bring docs/scenes.md up to date: scripts/key_reference.sh";
+}
+
+TEST(KeyReference, NamesUnitsDefaultsAndBounds) {
+  const std::string text = key_reference();
+  EXPECT_NE(text.find("| `gravity` | list of 3 numbers | m/s^2 | `[0, -9.80665, 0]` |"),
+            std::string::npos);
+  EXPECT_NE(text.find("| `mass` | number or spread | kg | `1` | 1e-30 to 1e+30 | mass |"),
+            std::string::npos);
+  EXPECT_NE(text.find("| `rate` | number | 1/s | required | more than 0 |"), std::string::npos);
+}
+
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(repository / "scenes")) {
+    if (entry.path().extension() == ".toml") paths.push_back(entry.path());
+  }
+  std::stable_sort(paths.begin(), paths.end());
+  return paths;
+}
+
+class ShippedScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedScene, Loads) {
+  const Scene scene = load(GetParam());
+  EXPECT_FALSE(scene.title.empty());
+  EXPECT_GT(scene.steps, 0);
+  if (GetParam().find("/features/") != std::string::npos) {
+    EXPECT_LE(solver::World::total_emitted(scene.setup), 20'000u);
+    EXPECT_LE(scene.steps, 500);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(shipped_scenes()),
+                         [](const testing::TestParamInfo<std::string>& scene) {
+                           return std::filesystem::path(scene.param).stem().string();
+                         });
+
+TEST(ShippedScenes, TheMainJobIsAMillionParticles) {
+  const Scene scene = load(repository / "scenes" / "explosion.toml");
+  EXPECT_EQ(solver::World::total_emitted(scene.setup), 1'000'000u);
+  EXPECT_EQ(scene.frame_count(), 121);
+  EXPECT_EQ(scene.frames.fraction, 0.05);
+  EXPECT_DOUBLE_EQ(static_cast<double>(scene.steps) * scene.setup.dt, 5.0);
+  EXPECT_TRUE(scene.checkpoint.at_end);
+}
+
+TEST(ShippedScenes, TheDocumentedExampleLoads) {
+  std::ifstream file(repository / "docs" / "scenes.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  const std::string fence = "```toml\n";
+  const std::size_t begin = text.str().find(fence) + fence.size();
+  const std::size_t end = text.str().find("```", begin);
+  EXPECT_EQ(parse(text.str().substr(begin, end - begin), "docs/scenes.md").steps, 1500);
+}
+
+}  // namespace
+}  // namespace salvo::scene
