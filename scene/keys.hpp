@@ -190,13 +190,13 @@ struct Key : KeyText {
     return std::move(*this);
   }
   /// The default in words, where the value does not say it.
-  Key otherwise(std::string text) && {
-    fallback = std::move(text);
+  Key otherwise(std::string_view text) && {
+    fallback = text;
     return std::move(*this);
   }
   /// The unit in which the member is kept, where that is not SI.
-  Key kept_in(std::string other) && {
-    stored = std::move(other);
+  Key kept_in(std::string_view other) && {
+    stored = other;
     return std::move(*this);
   }
 };

@@ -301,19 +301,6 @@ TEST(World, StoresOnlyTheFieldsThatDiffer) {
   EXPECT_EQ(World::state_bytes(setup), 128U * (8 + 7 * 4 + 4));
 }
 
-TEST(World, HoldsAtMost80BytesAParticleInFloat) {
-  solver::Setup setup = plain_setup(Precision::single);
-  setup.emitters = {burst(1, 61'441), burst(2, 3, 0.1)};
-  setup.emitters[0].mass = uniform(1, 2);
-  setup.emitters[0].radius = uniform(1, 2);
-  setup.emitters[0].life = uniform(1, 2);
-  setup.emitters[1].group = 3;
-  const World world(setup, {});
-  const soa::Table& table = world.particles();
-  for (std::size_t f = 0; f < table.fields().size(); ++f) EXPECT_TRUE(table.stored(f)) << f;
-  EXPECT_LE(table.resident_bytes(), 80 * table.rows());
-}
-
 TEST(World, RefusesWhatItCannotRun) {
   solver::Setup setup = plain_setup();
   const auto construct = [&](const Execution& execution) { World world(setup, execution); };
