@@ -2,6 +2,7 @@
 // move. Pieces are whole passes: they change neither bits nor speed.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -23,7 +24,7 @@ class Stepper {
       world_.advance_to(std::min(step, world_.step() + piece_));
       const auto taken = Clock::now() - start;
       if (taken < std::chrono::milliseconds(50)) {
-        piece_ *= 2;
+        piece_ = std::min(longest, 2 * piece_);
       } else if (taken > std::chrono::milliseconds(200)) {
         piece_ = std::max<std::int64_t>(world_.execution().pass_steps, piece_ / 2);
       }
@@ -32,6 +33,8 @@ class Stepper {
   }
 
  private:
+  static constexpr std::int64_t longest = 1 << 24;  // steps
+
   solver::World& world_;
   std::function<void()> after_piece_;
   std::int64_t piece_;

@@ -1,8 +1,8 @@
 // Impact with restitution and Coulomb friction: impulses in N s along the line of action and across
-// it.
+// it.   [Bourg & Bywalec 5.2-5.4]
 //
-//   J = -(1 + e) v_rn / (1/m1 + 1/m2),   v1' = v1 + J n/m1,   v2' = v2 - J n/m2        [Bourg &
-//   Bywalec 5.2-5.3] friction: mu J against the slip, at most what stops it [5.4]
+//   J = -(1 + e) v_rn / (1/m1 + 1/m2),   v1' = v1 + J n/m1,   v2' = v2 - J n/m2
+//   friction: mu J against the slip, at most what stops it
 //
 // v_rn is the velocity of body 1 relative to body 2 along n, n points from body 2 to body 1, so
 // bodies approach where v_rn < 0 and J is then positive. A fixed body has 1/m = 0.
@@ -13,26 +13,20 @@
 namespace salvo::kernels {
 inline namespace SALVO_ISA {
 
-/// Impulse along the normal: of two bodies that approach at -v_rn.
-template <class V>
-V normal_impulse(V relative_normal_velocity, V restitution, V inverse_mass_1, V inverse_mass_2) {
-  return -(relative_normal_velocity * (V(1) + restitution)) / (inverse_mass_1 + inverse_mass_2);
-}
-
-/// The same with rotation: `inverse_inertia` is n.[((r1 x n)/I1) x r1] + n.[((r2 x n)/I2) x r2] in
-/// 1/kg, v_rn is taken at the point of contact.
+/// Impulse along the normal. Of bodies that turn, v_rn is that of the points of contact, and
+/// `inverse_inertia` is n.[((r1 x n)/I1) x r1] + n.[((r2 x n)/I2) x r2], in 1/kg.
 template <class V>
 V normal_impulse(V relative_normal_velocity, V restitution, V inverse_mass_1, V inverse_mass_2,
-                 V inverse_inertia) {
+                 V inverse_inertia = V(0)) {
   return -(relative_normal_velocity * (V(1) + restitution)) /
          (inverse_mass_1 + inverse_mass_2 + inverse_inertia);
 }
 
-/// Impulse of Coulomb friction: mu times the normal impulse, at most the one that makes the contact
-/// stick.
+/// Impulse of Coulomb friction: mu times the one along the normal, at most the one that makes the
+/// contact stick.
 template <class V>
-V friction_impulse(V normal_impulse, V friction, V sticking_impulse) {
-  return min(friction * normal_impulse, sticking_impulse);
+V friction_impulse(V along_normal, V friction, V sticking) {
+  return min(friction * along_normal, sticking);
 }
 
 /// The tangential impulse that stops the slip of a particle that does not turn: m |v_t|.

@@ -1,17 +1,16 @@
 // Particles on fixed obstacles: what an impact does to the velocity, and how the rest of the step
-// goes on. [Bourg & Bywalec 5.2-5.4, 8.4]
+// goes on.   [Bourg & Bywalec 5.2-5.4, 8.4]
 //
 // Swept response. Where the chord from x_n to x_(n+1) meets a surface, at the fraction s, the
 // kinetic energy is taken as linear between the ends, as it is for velocity Verlet under a constant
-// force:
+// force. With dv = v_(n+1) - v_n:
 //
-//   |v|^2 = (1 - s)|v_n|^2 + s|v_(n+1)|^2
+//   |v|^2 = (1 - s)|v_n|^2 + s|v_(n+1)|^2 = |v_n + s dv|^2 + s (1 - s)|dv|^2
 //
-// The linear v_n + s (v_(n+1) - v_n) lacks s (1 - s)|v_(n+1) - v_n|^2 of it, which is added along
-// the normal. The remaining time goes on under the mean acceleration of the step, a = (v_(n+1) -
-// v_n)/dt, along a new chord that is tested in turn. A particle that falls back before the end of
-// the step hops and meets the surface again; one that would hop more often than a step has impacts
-// slides, under Coulomb friction.
+// The last term goes to the normal velocity. After the impact the remaining time goes on under the
+// mean acceleration dv/dt, along a new chord that is tested in turn. A particle that falls back
+// before the end of the step hops and meets the surface again; one that would hop more often than a
+// step has impacts slides, under Coulomb friction.
 #pragma once
 
 #include <cassert>
@@ -146,8 +145,8 @@ class Contact {
     V contacts(0);
     V impacts(0);
     Supports supports;
-    // Ends: each turn is a contact, of which a lane has at most max_impacts + 1, or the end of a
-    // hop that began with one.
+    // Each turn is a contact, of which a lane has at most max_impacts + 1, or the end of a hop that
+    // began with one: this ends.
     while (any(going)) {
       // Where the leg ends: on a surface, or after a hop.
       const V s = select(hit.found, hit.fraction, V(1));
@@ -156,9 +155,8 @@ class Contact {
       const Vec3<V> gain = leg.end_velocity - leg.velocity;
       const Vec3<V> velocity = select(hit.found, leg.velocity + gain * s, leg.end_velocity);
 
-      // The impact. A normal velocity below rounding is none. Where a surface lies between two
-      // numbers the position is always rounded to the same side: the energy is that of the rounded
-      // position.
+      // The impact. A normal velocity below rounding is none. The energy is that of the rounded
+      // position: a surface between two numbers would always round it to the same side.
       const Vec3<V> n = hit.normal;
       const V arrival = dot(n, velocity);
       const Vec3<V> rounding = (position - leg.position) - leg.chord * s;
@@ -180,16 +178,15 @@ class Contact {
       // What follows: flight for the rest of the step, a hop that ends on the surface, or sliding.
       // A hop no higher than positions resolve is none.
       const V toward = -dot(n, acceleration);
+      const V unresolved = unresolved_length(position, position - before.position);
       const V hops_left = max_impacts_ + V(1) - contacts;
-      const V lowest_hop =
-          V(2) * strength * unresolved_length(position, position - before.position);
-      const Mask lasting = rebound * rebound > lowest_hop;
       const Mask returns = hit.found & (V(2) * rebound <= toward * time);
-      const Mask slides = (hit.found & (!lasting) & (toward > V(0))) |
+      const Mask is_low = (toward > V(0)) & (rebound * rebound <= V(2) * toward * unresolved);
+      const Mask slides = (hit.found & is_low) |
                           (returns & (V(2) * rebound * hops_left <= toward * time)) |
                           (hit.found & (!impact) & supports.last_held);
       const Mask hops = returns & !slides;
-      rested = rested | exhausted | (slides & lasting);
+      rested = rested | exhausted | (slides & (rebound * rebound > V(2) * strength * unresolved));
       leg.position = position;
       leg.velocity = select(hit.found,
                             kernels::add_along_normal(velocity * kept, n, rebound - arrival * kept,
@@ -254,8 +251,7 @@ class Contact {
 
     const Vec3<V> wish = slip + pull * time;
     const Vec3<V> end = wish * kernels::friction_factor(norm(wish), pressure * time, friction);
-    // At the mean velocity, unless the particle turned around on the way: friction must not push it
-    // on.
+    // At the mean velocity, unless the particle turned around on the way: friction never pushes on.
     const Vec3<V> twice_mean = slip + end;
     const Vec3<V> mean = select(dot(wish, twice_mean) >= V(0), twice_mean * V(0.5), end);
     leg.velocity = select(slides, slip, leg.velocity);

@@ -1,18 +1,18 @@
-// What particles bounce off, as plain numbers: SI units, double precision, no instruction set.
+// What particles bounce off, as plain numbers: SI units, double precision.
 //
 // Obstacles are fixed. They are met in the order of their list: of two impacts at the same instant
-// the lower index comes first, and the book's responses test them one after the other.   [Bourg &
-// Bywalec 5.2-5.4, 8.4]
+// the lower index comes first, and the book's responses test one obstacle after the other.
+// [Bourg & Bywalec 5.2-5.4, 8.4]
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "kernels/lane.hpp"
 #include "models/force_settings.hpp"
 
 namespace salvo::models {
@@ -29,17 +29,7 @@ struct HeightSamples {
   double spacing = 1;       // m
   std::vector<double> heights;
   std::vector<float> heights_float;  // the same, rounded once
-  double lowest = 0;                 // m
   double highest = 0;                // m
-
-  template <class T>
-  const T* data() const {
-    if constexpr (sizeof(T) == sizeof(float)) {
-      return heights_float.data();
-    } else {
-      return heights.data();
-    }
-  }
 };
 
 inline std::shared_ptr<const HeightSamples> make_height_samples(std::size_t columns,
@@ -50,10 +40,9 @@ inline std::shared_ptr<const HeightSamples> make_height_samples(std::size_t colu
   samples->rows = rows;
   samples->spacing = spacing;
   samples->heights = std::move(heights);
-  samples->lowest = samples->highest = samples->heights.at(0);
+  samples->highest = samples->heights.at(0);
   for (const double height : samples->heights) {
     samples->heights_float.push_back(static_cast<float>(height));
-    if (height < samples->lowest) samples->lowest = height;
     if (height > samples->highest) samples->highest = height;
   }
   return samples;
@@ -79,26 +68,6 @@ struct Obstacle {
   double mass = std::numeric_limits<double>::infinity();
 };
 
-/// The obstacle with its axis and rotation brought to unit length, as contact needs them.
-inline Obstacle normalized(Obstacle obstacle) {
-  const Triple& a = obstacle.axis;
-  // IEEE 754 fixes the square root to the last bit.
-  const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  for (double& component : obstacle.axis) component /= length;
-  const std::array<double, 4>& q = obstacle.rotation;
-  const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& component : obstacle.rotation) component /= size;
-  return obstacle;
-}
-
-inline bool is_normalized(const Obstacle& obstacle) {
-  const auto is_one = [](double squares) { return squares > 1 - 1e-9 && squares < 1 + 1e-9; };
-  const Triple& a = obstacle.axis;
-  const std::array<double, 4>& q = obstacle.rotation;
-  return is_one(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) &&
-         is_one(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-}
-
 /// How a particle that meets an obstacle is turned back.
 enum class ContactResponse {
   swept,    // the chord of the step is tested, the remaining time continued; nothing tunnels
@@ -114,5 +83,32 @@ struct ContactSettings {
   /// book's text wants; its listing resets the height alone.
   bool interpolate_at_plane = true;
 };
+
+// Tagged with the instruction set, like everything that a kernel calls.
+inline namespace SALVO_ISA {
+
+/// The obstacle with its axis and rotation brought to unit length, as contact needs them.
+inline Obstacle normalized(Obstacle obstacle) {
+  const auto scale = [](double squares) {
+    return 1 / sqrt(kernels::ScalarLane<double>(squares)).value();
+  };
+  const Triple& a = obstacle.axis;
+  const double shorten = scale(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  for (double& component : obstacle.axis) component *= shorten;
+  const std::array<double, 4>& q = obstacle.rotation;
+  const double turn = scale(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (double& component : obstacle.rotation) component *= turn;
+  return obstacle;
+}
+
+inline bool is_normalized(const Obstacle& obstacle) {
+  const auto is_one = [](double squares) { return squares > 1 - 1e-9 && squares < 1 + 1e-9; };
+  const Triple& a = obstacle.axis;
+  const std::array<double, 4>& q = obstacle.rotation;
+  return is_one(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) &&
+         is_one(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
+}  // namespace SALVO_ISA
 
 }  // namespace salvo::models

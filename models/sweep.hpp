@@ -128,7 +128,11 @@ struct Facet {
           static_cast<std::int32_t>(rows[lane]) * static_cast<std::int32_t>(field.columns) +
           static_cast<std::int32_t>(columns[lane]);
     }
-    return V::gather(field.template data<T>(), index);
+    if constexpr (sizeof(T) == sizeof(float)) {
+      return V::gather(field.heights_float.data(), index);
+    } else {
+      return V::gather(field.heights.data(), index);
+    }
   }
 };
 

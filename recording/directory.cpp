@@ -57,7 +57,7 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& directo
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
     if (!entry.is_directory(error)) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::stable_sort(files.begin(), files.end());
   return files;
 }
 
@@ -67,7 +67,7 @@ std::vector<NumberedFile> list(const std::filesystem::path& directory, Number nu
   for (const std::filesystem::path& path : files_in(directory)) {
     if (const auto number = number_of(path.filename().string())) files.push_back({*number, path});
   }
-  std::sort(files.begin(), files.end(),
+  std::stable_sort(files.begin(), files.end(),
             [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
   return files;
 }

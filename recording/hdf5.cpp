@@ -31,11 +31,17 @@ Handle dataspace(const Extents& extents) {
           "create a dataspace"};
 }
 
-Handle text_type(std::size_t length) {
+// ParaView wants its texts to be called ASCII.
+H5T_cset_t character_set(std::string_view text) {
+  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; });
+  return ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8;
+}
+
+Handle text_type(std::size_t length, H5T_cset_t set) {
   Handle type(H5Tcopy(H5T_C_S1), "create a string type");
   checked(H5Tset_size(type, std::max<std::size_t>(length, 1)), "create a string type");
   checked(H5Tset_strpad(type, H5T_STR_NULLPAD), "create a string type");
-  checked(H5Tset_cset(type, H5T_CSET_UTF8), "create a string type");
+  checked(H5Tset_cset(type, set), "create a string type");
   return type;
 }
 
@@ -255,7 +261,8 @@ void write_attribute(hid_t object, const std::string& name, hid_t type, const Ex
 
 void write_attribute(hid_t object, const std::string& name, std::string_view text) {
   const std::string terminated(text);  // readable even when empty
-  write_attribute(object, name, text_type(text.size()), {}, terminated.c_str());
+  write_attribute(object, name, text_type(text.size(), character_set(text)), {},
+                  terminated.c_str());
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& texts) {
@@ -263,7 +270,7 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   for (const std::string& text : texts) length = std::max(length, text.size());
   std::string packed;
   for (const std::string& text : texts) packed += text + std::string(length - text.size(), '\0');
-  const Handle type = text_type(length);
+  const Handle type = text_type(length, character_set(packed));
   if (texts.empty()) {
     const Handle none(H5Screate(H5S_NULL), "create a dataspace");
     const Handle attribute(H5Acreate2(object, name.c_str(), type, none, H5P_DEFAULT, H5P_DEFAULT),

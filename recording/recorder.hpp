@@ -42,6 +42,7 @@ struct RecorderCounters {
   double seconds_waited = 0;        ///< for the thread, because it was behind by two frames
 };
 
+/// One thread calls it.
 class Recorder {
  public:
   /// Creates the directory and run.json. Throws OutputError, ForeignRecording.

@@ -313,18 +313,18 @@ template <class T>
 struct KeysOf {
   /// A key that holds a value.
   template <class Access>
-  Key<T> key(std::string name, std::string unit, Access access, std::string meaning,
-             Bounds bounds = any_number, Words words = {}) const {
+  Key<T> key(std::string_view name, std::string_view unit, Access access, std::string_view meaning,
+             Bounds bounds = any_number, const Words& words = {}) const {
     using X = std::remove_reference_t<decltype(std::invoke(access, std::declval<T&>()))>;
     T fresh{};
     Key<T> made;
-    made.name = std::move(name);
+    made.name = name;
     made.type = type_text(static_cast<const X*>(nullptr));
-    made.unit = made.stored = std::move(unit);
-    made.meaning = std::move(meaning);
+    made.unit = made.stored = unit;
+    made.meaning = meaning;
     made.fallback = default_markdown(std::invoke(access, fresh), words);
     made.bounds = bounds;
-    made.words = std::move(words);
+    made.words = words;
     made.read = [access](Reader& reader, const Value& value, const KeyText& text, T& out) {
       reader.read(value, text, std::invoke(access, out));
     };
@@ -333,8 +333,9 @@ struct KeysOf {
 
   /// A key that holds a word, or a list of words.
   template <class Access>
-  Key<T> word(std::string name, Access access, std::string meaning, Words words) const {
-    return key(std::move(name), "", access, std::move(meaning), any_number, std::move(words));
+  Key<T> word(std::string_view name, Access access, std::string_view meaning,
+              const Words& words) const {
+    return key(name, "", access, meaning, any_number, words);
   }
 
   /// A key that fills a particle's field: unit, meaning and bounds are the field's.
@@ -347,8 +348,8 @@ struct KeysOf {
 
   /// A key that is a section of its own; `access` is called when it is given.
   template <class U, class Access>
-  Key<T> table(std::string name, const Section<U>& section, Access access) const {
-    Key<T> made = below(std::move(name), section);
+  Key<T> table(std::string_view name, const Section<U>& section, Access access) const {
+    Key<T> made = below(name, section);
     made.read = [&section, access](Reader& reader, const Value& value, const KeyText& text,
                                    T& out) {
       if (reader.is_table(value, text)) section.read(reader, value, std::invoke(access, out));
@@ -358,8 +359,8 @@ struct KeysOf {
 
   /// A key that is a list of sections.
   template <class U, class Access>
-  Key<T> list(std::string name, const Section<U>& section, Access access) const {
-    Key<T> made = below(std::move(name), section);
+  Key<T> list(std::string_view name, const Section<U>& section, Access access) const {
+    Key<T> made = below(name, section);
     made.read = [&section, access](Reader& reader, const Value& value, const KeyText& text,
                                    T& out) {
       if (!reader.is_list_of_tables(value, text)) return;
@@ -371,9 +372,9 @@ struct KeysOf {
   }
 
  private:
-  static Key<T> below(std::string name, const SectionText& section) {
+  static Key<T> below(std::string_view name, const SectionText& section) {
     Key<T> made;
-    made.name = std::move(name);
+    made.name = name;
     made.section = &section;
     return made;
   }

@@ -127,6 +127,9 @@ class Completion {
   void complete_forces() {
     models::ForceSettings& forces = keys_.setup.forces;
     complete_direction(forces.up, "forces.up", "up");
+    if (forces.gusty && attempted("forces.gust", "direction")) {
+      complete_direction(forces.gust.direction, "forces.gust.direction", "direction");
+    }
     const models::Wind& wind = forces.wind;
     if (forces.windy && wind.profile == models::WindProfile::log_law &&
         !(wind.roughness < wind.reference_height)) {

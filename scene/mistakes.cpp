@@ -28,6 +28,7 @@ std::vector<std::string> Mistakes::texts() const {
     return key(a.place) < key(b.place);
   });
   std::vector<std::string> texts;
+  texts.reserve(sorted.size());
   for (const Mistake& mistake : sorted) texts.push_back(text_of(mistake));
   return texts;
 }

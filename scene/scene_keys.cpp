@@ -98,7 +98,7 @@ const Section<Gust>& gust_section() {
               .must(),
           of.key("length", "m", &Gust::length, "longest wavelength", positive),
           of.key("speed", "m/s", &Gust::speed, "speed at which the pattern is carried along",
-                 not_negative)
+                 positive)
               .otherwise("the mean wind's"),
           of.key("direction", "", &Gust::direction, "where the pattern is carried, of any length")
               .otherwise("the mean wind's, or x"),

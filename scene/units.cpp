@@ -314,6 +314,7 @@ std::string plain(std::string_view text) {
 
 [[noreturn]] void refuse_symbol(std::string_view symbol, std::string_view wanted) {
   std::vector<std::string_view> symbols;
+  symbols.reserve(units.size());
   for (const Unit& unit : units) symbols.push_back(unit.symbol);
   const std::string near = did_you_mean(symbol, symbols);
   throw UnitError(fmt::format("unknown unit \"{}\"", symbol),

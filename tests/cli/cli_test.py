@@ -59,8 +59,8 @@ every = 20
 columns = ["id", "position", "velocity"]
 """
 
-# Long enough to be interrupted: every frame takes some tens of milliseconds with the slowest kernels.
-LONG = SCENE.replace("count = 1001", "count = 20011").replace("steps = 200", "steps = 2000")
+# Long enough to be interrupted: a hundred frames of some ten milliseconds each with the slowest kernels.
+LONG = SCENE.replace("count = 1001", "count = 4001").replace("steps = 200", "steps = 2000")
 SLOWLY = ["--isa", "scalar", "--threads", "1", "--pass", "1"]
 
 
@@ -407,9 +407,14 @@ class Interruptions(Case):
                 self.assert_same_recording("part", "whole")
                 subprocess.run(["rm", "-r", self.dir / "part"], check=True)
 
-    def test_twice_interrupted(self):
+    def test_twice_interrupted_and_then_resumed_when_done(self):
         _, _, errors = self.interrupted(3)
-        self.go_on(errors.replace("--resume", "--resume --set seed=5") if False else errors)
+        process = self.start("run", "long.toml", "--out", "part", "--resume", *SLOWLY)
+        self.wait_for("part/frame_000040.hdf", process)
+        process.send_signal(signal.SIGINT)
+        errors = process.communicate(timeout=120)[1]
+        self.assertEqual(process.returncode, 130, errors)
+        self.go_on(errors)
         self.assert_same_recording("part", "whole")
         again = self.salvo("run", "long.toml", "--out", "part", "--resume")  # there is nothing left to do
         self.assertIn("going on from step 2000 of 2000", again.stderr)
@@ -552,10 +557,10 @@ class Terminal(Case):
         return shown.decode(), process.wait()
 
     def test_progress_is_redrawn_on_a_terminal(self):
-        self.write("long.toml", LONG.replace("steps = 2000", "steps = 1000"))
+        self.write("long.toml", LONG)
         shown, status = self.on_terminal("run", "long.toml", *SLOWLY)
         self.assertEqual(status, 0)
-        lines = re.findall(r"\r *(\d+) %  frame \d+ of 51  [\d.]+ [kMG]? ?particle-steps/s  [\d.]+ [kMG]?B written  "
+        lines = re.findall(r"\r *(\d+) %  frame \d+ of 101  [\d.]+ [kMG]? ?particle-steps/s  [\d.]+ [kMG]?B written  "
                            r"[^\r]* left\x1b\[K", shown)
         self.assertGreater(len(lines), 1, shown)
         self.assertEqual([int(line) for line in lines], sorted(int(line) for line in lines))

@@ -56,6 +56,8 @@ def check_with_h5py(path, columns, units, frame):
         salvo = file["salvo"].attrs
         check(salvo["time"] == frame["time"], "the series has another time")
         check(len(salvo["state_hash"]) == 32, "the state hash is not 32 digits")
+        kind = h5py.h5a.open(file["VTKHDF"].id, b"Type").get_type()
+        check(kind.get_cset() == h5py.h5t.CSET_ASCII, "ParaView 5.11 finds no reader unless the type is ASCII")
         check(file["VTKHDF"].get("Points", getlink=True).path == "/particles/position", "a copy of the points")
 
 

@@ -653,6 +653,17 @@ TEST(SceneMistakes, Forces) {
             "    | ^^^^^^^^^^^^^ remove one");
 }
 
+TEST(SceneMistakes, GustsThatWouldSilentlyTakeTheWinds) {
+  EXPECT_EQ(mistakes_with("[forces.gust]\nstandard_deviation = [1, 1, 1]\nspeed = 0\n"
+                          "direction = [0, 0, 0]\n"),
+            "scene.toml:9:9: error: \"speed\" in [forces.gust] is out of bounds\n"
+            "  9 | speed = 0\n"
+            "    |         ^ expected more than 0 m/s\n"
+            "scene.toml:10:13: error: \"direction\" is zero\n"
+            " 10 | direction = [0, 0, 0]\n"
+            "    |             ^^^^^^^^^ a direction has some length");
+}
+
 TEST(SceneMistakes, Domain) {
   EXPECT_EQ(mistakes_with("[domain]\nlowest = [-1, 2, -1]\nhighest = [1, 2, 1]\n"),
             "scene.toml:9:11: error: \"highest\" in [domain] is not above \"lowest\" in y\n"

@@ -1,7 +1,7 @@
 // Worlds to test with.
 #pragma once
 
-#include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -80,6 +80,10 @@ inline models::ForceSettings every_force() {
 struct NamedSetup {
   std::string name;
   solver::Setup setup;
+
+  friend std::ostream& operator<<(std::ostream& out, const NamedSetup& scene) {
+    return out << scene.name;
+  }
 };
 
 /// All forces, integrators, emitters, precisions, lifetimes, removals and responses to obstacles
