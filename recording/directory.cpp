@@ -67,8 +67,9 @@ std::vector<NumberedFile> list(const std::filesystem::path& directory, Number nu
   for (const std::filesystem::path& path : files_in(directory)) {
     if (const auto number = number_of(path.filename().string())) files.push_back({*number, path});
   }
-  std::stable_sort(files.begin(), files.end(),
-            [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
+  std::stable_sort(files.begin(), files.end(), [](const NumberedFile& a, const NumberedFile& b) {
+    return a.number < b.number;
+  });
   return files;
 }
 

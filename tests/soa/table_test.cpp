@@ -89,8 +89,17 @@ bool padding_is_zero(const Table& table) {
   return true;
 }
 
+// What a kernel may leave behind.
+template <class T>
+void soil_padding(Table& table) {
+  for (std::size_t at = table.rows(); at < table.padded_rows(); ++at) {
+    write<T>(table, at, row_of(33));
+  }
+}
+
 template <class T>
 void append(Table& table, std::vector<Row>& model, std::size_t count, soa::Id& next) {
+  if (count != 0) soil_padding<T>(table);
   const std::size_t first = table.append(count);
   RC_ASSERT(first == model.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -115,6 +124,7 @@ void matches_model_over_any_operations() {
       case 1: {
         const auto keep = *rc::gen::container<std::vector<std::uint8_t>>(
             model.size(), rc::gen::inRange<std::uint8_t>(0, 2));
+        if (std::count(keep.begin(), keep.end(), std::uint8_t{0}) != 0) soil_padding<T>(table);
         table.compact(keep);
         std::vector<Row> kept;
         for (std::size_t i = 0; i < model.size(); ++i) {
@@ -133,10 +143,7 @@ void matches_model_over_any_operations() {
         table.reserve(*rc::gen::inRange<std::size_t>(0, 500));
         break;
       case 4:
-        // What a kernel leaves in the padding is wiped, and only that.
-        for (std::size_t at = table.rows(); at < table.padded_rows(); ++at) {
-          write<T>(table, at, row_of(33));
-        }
+        soil_padding<T>(table);
         table.clear_padding();
         break;
     }
