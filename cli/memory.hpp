@@ -11,7 +11,8 @@ namespace salvo::cli {
 /// Bytes that programs can take without swapping; nothing where the system does not say.
 std::optional<std::uint64_t> available_memory();
 
-/// Bytes a run takes: its state and, when recorded, the buffers of two frames.
+/// Bytes a run takes: its state and, when recorded, the frames and checkpoints on their way to the
+/// disk.
 std::uint64_t run_bytes(const scene::Scene& scene, bool recorded);
 /// Bytes of the columns of one frame, and of one checkpoint, when all particles are alive.
 std::uint64_t frame_bytes(const scene::Scene& scene);

@@ -50,7 +50,7 @@ std::string see_help(const CommandEntry* command = nullptr) {
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& candidates,
-                       std::string otherwise) {
+                       const std::string& otherwise) {
   const std::string meant = scene::did_you_mean(word, candidates);
   return meant.empty() ? otherwise : meant;
 }

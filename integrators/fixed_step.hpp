@@ -70,7 +70,8 @@ struct VelocityVerlet {
     const V half = dt * V(0.5);
     const Vec3<V> a1 = acceleration(s.position, s.velocity, Instant::start);
     const Vec3<V> predicted = s.velocity + a1 * dt;
-    // The mean velocity times dt: x + v dt + a dt^2/2 rounds twice as often, and energy drifts with it.
+    // The mean velocity times dt: x + v dt + a dt^2/2 rounds twice as often, and energy drifts with
+    // it.
     const Vec3<V> position = s.position + (s.velocity + predicted) * half;
     // Forces that depend on velocity are taken at the predicted velocity.
     const Vec3<V> a2 = acceleration(position, predicted, Instant::end);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 namespace salvo::scene {
@@ -28,9 +29,8 @@ T value_at(const soa::Table& table, std::size_t field, std::size_t component, st
 template <class T>
 bool same_real(const soa::Table& a, std::size_t row_a, const soa::Table& b, std::size_t row_b,
                std::size_t field, std::size_t component) {
-  const T x = value_at<T>(a, field, component, row_a);
-  const T y = value_at<T>(b, field, component, row_b);
-  return std::memcmp(&x, &y, sizeof(T)) == 0 || (x != x && y != y);
+  return same_bits(value_at<T>(a, field, component, row_a),
+                   value_at<T>(b, field, component, row_b));
 }
 
 bool same(const soa::Table& a, std::size_t row_a, const soa::Table& b, std::size_t row_b,
@@ -96,6 +96,13 @@ Difference missing_row(soa::Id id, bool in_reference) {
 }
 
 }  // namespace
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b);
+}
+bool same_bits(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (a != a && b != b);
+}
 
 std::optional<Difference> first_difference(const soa::Table& reference, const soa::Table& varied) {
   std::optional<Difference> first;

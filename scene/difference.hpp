@@ -24,6 +24,10 @@ struct Difference {
   bool exact() const { return step == equal_step + 1; }
 };
 
+/// The same bits, or both not a number.
+bool same_bits(double a, double b);
+bool same_bits(float a, float b);
+
 /// Two tables of the same fields and the same stored columns, sorted by id. The lowest id that
 /// differs, and its first column; steps are left for the caller to fill in.
 std::optional<Difference> first_difference(const soa::Table& reference, const soa::Table& varied);

@@ -74,7 +74,7 @@ std::optional<Difference> summary_difference(const Summary& reference, const Sum
   for (std::size_t i = 0; i < summary_names.size(); ++i) {
     const double a = reference[i];
     const double b = varied[i];
-    if (std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b)) continue;
+    if (same_bits(a, b)) continue;
     Difference difference;
     difference.column = summary_names[i];
     difference.reference = hex_text(a);
@@ -179,7 +179,7 @@ std::vector<std::int64_t> frame_steps(const Scene& scene) {
 bool same(const std::optional<BadRow>& a, const std::optional<BadRow>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
   return a->step == b->step && a->id == b->id && a->column == b->column &&
-         hex_text(a->value) == hex_text(b->value);
+         same_bits(a->value, b->value);
 }
 
 class Verifier {

@@ -59,8 +59,8 @@ every = 20
 columns = ["id", "position", "velocity"]
 """
 
-# Long enough to be interrupted: a hundred frames of some ten milliseconds each with the slowest kernels.
-LONG = SCENE.replace("count = 1001", "count = 4001").replace("steps = 200", "steps = 2000")
+# Long enough to be interrupted: a hundred frames of some tens of milliseconds each with the slowest kernels.
+LONG = SCENE.replace("count = 1001", "count = 20011").replace("steps = 200", "steps = 2000")
 SLOWLY = ["--isa", "scalar", "--threads", "1", "--pass", "1"]
 
 
