@@ -6,9 +6,10 @@ set -eu
 root=$(cd "$(dirname "$0")" && pwd)
 build=$root/build/release
 json=
+min_time=0.5
 while [ $# -gt 0 ]; do
   case $1 in
-    --quick) export SALVO_BENCH_QUICK=1 ;;
+    --quick) min_time=0.05 ;;
     --json) json=${2:?--json needs a file}; shift ;;
     *) sed -n '2,4s/^# //p' "$0" >&2; exit 2 ;;
   esac
@@ -29,6 +30,6 @@ for program in "$build"/bench/salvo_bench*; do
   [ -f "$program" ] || continue  # no match
   name=$(basename "$program")
   echo "== $name" >&2
-  "$program" --benchmark_min_time=0.5 --benchmark_out_format=json --benchmark_out="$results/$name.json" >&2
+  "$program" --benchmark_min_time="$min_time" --benchmark_out_format=json --benchmark_out="$results/$name.json" >&2
 done
 /usr/bin/python3 "$root/scripts/merge_benchmarks.py" "$results" ${json:+"$json"}

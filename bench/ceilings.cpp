@@ -55,8 +55,6 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-bool quick() { return std::getenv("SALVO_BENCH_QUICK") != nullptr; }
-
 std::string name(soa::Precision precision) {
   return precision == soa::Precision::single ? "float" : "double";
 }
@@ -91,12 +89,15 @@ solver::Setup over_obstacles(soa::Precision precision, std::size_t rows) {
   ground.friction = 0.3;
   models::Obstacle sphere;
   sphere.shape = models::ObstacleShape::sphere;
-  sphere.center = {20, 90, 0};
-  sphere.radius = 10;
+  sphere.center = {4, 2, 0};
+  sphere.radius = 2;
   models::Obstacle box;
   box.shape = models::ObstacleShape::box;
-  box.center = {-20, 90, 10};
-  box.half_size = {8, 6, 4};
+  box.center = {-4, 1, 2};
+  box.half_size = {1, 1, 2};
+  // Close by: half of the particles have met something after 64 steps.
+  setup.emitters.front().position = {0, 2, 0};
+  setup.emitters.front().source_radius = 1;
   setup.obstacles = {ground, sphere, box};
   return setup;
 }

@@ -13,9 +13,6 @@ namespace salvo::bench {
 /// Seconds on the steady clock.
 double now();
 
-/// True under ./bench.sh --quick: fewer rows of the table, every named one kept.
-bool quick();
-
 std::string name(soa::Precision precision);
 
 /// A world of `rows` live particles in free flight: gravity, quadratic drag, uniform wind,

@@ -60,7 +60,7 @@ columns = ["id", "position", "velocity"]
 """
 
 # Long enough to be interrupted: a hundred frames of some tens of milliseconds each with the slowest kernels.
-LONG = SCENE.replace("count = 1001", "count = 20011").replace("steps = 200", "steps = 2000")
+LONG = SCENE.replace("count = 1001", "count = 8009").replace("[0.3, 3]", "[0.3, 30]").replace("steps = 200", "steps = 2000")
 SLOWLY = ["--isa", "scalar", "--threads", "1", "--pass", "1"]
 
 
