@@ -2,8 +2,10 @@
 //
 // For each stored field, leaves of 4096 consecutive serials of a stream (live rows; id, then the
 // value's components, little-endian, one canonical NaN), XXH3-128 each; then XXH3-128 over (stream,
-// leaf, digest) in order; the total over the fields' names and digests. Leaves are independent, so
-// they hash in parallel and would merge across shards.
+// leaf, digest) in order; the total over the fields' names and digests. The id's own column has the
+// id alone; numbers of streams and leaves are words of 64 bits, a digest is its high word and then
+// its low one, a name ends in a zero byte. Leaves are independent, so they hash in parallel and
+// would merge across shards.
 #pragma once
 
 #include <cstdint>
