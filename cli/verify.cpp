@@ -3,74 +3,21 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include "cli/json.hpp"
 #include "cli/memory.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_input.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
-#include "cli/text_table.hpp"
 #include "cli/verbs.hpp"
+#include "cli/verify_report.hpp"
 
 namespace salvo::cli {
 
 namespace {
 
-using scene::Difference;
 using scene::VerifyResult;
 using scene::VerifyRun;
-
-// "0x1.8p+1 (3)": the bits, and the number for a person.
-std::string with_decimal(const std::string& value) {
-  if (value.find("0x") == std::string::npos) return value;
-  return fmt::format("{} ({:.9g})", value, std::strtod(value.c_str(), nullptr));
-}
-
-std::string describe(const Difference& difference) {
-  std::string text = difference.exact()
-                         ? fmt::format("first difference at step {}", difference.step)
-                         : fmt::format(
-                               "differs at step {}, after equal bits at step {}, and not "
-                               "again in single steps",
-                               difference.step, difference.equal_step);
-  text += fmt::format(": {}", difference.column);
-  if (difference.id) {
-    text += fmt::format(" of particle {} (stream {}, serial {})", *difference.id,
-                        soa::stream_of(*difference.id), soa::serial_of(*difference.id));
-  }
-  text += fmt::format("\n  reference  {}\n  here       {}\n", with_decimal(difference.reference),
-                      with_decimal(difference.varied));
-  if (difference.rows > 1) {
-    text += fmt::format("  {} differ at this step\n", counted(difference.rows, "particle"));
-  }
-  return text;
-}
-
-std::string heading(const scene::Scene& verified) {
-  const std::uint64_t rows = solver::World::total_emitted(verified.setup);
-  return fmt::format("{}: {}\n", verified.path,
-                     verified.scaling.empty()
-                         ? fmt::format("{}, {}", counted(rows, "particle"),
-                                       counted(static_cast<std::uint64_t>(verified.steps), "step"))
-                         : verified.scaling);
-}
-
-std::string result_of(const VerifyRun& run, const VerifyRun& reference) {
-  if (run.difference) return "DIFFERENT";
-  if (&run == &reference) return "";
-  return run.hash == reference.hash ? "equal" : "equal to the same particles";
-}
-
-std::string table_of(const VerifyResult& result) {
-  TextTable table({"<axis", "<set to", "particles", "frames", "<hash of the last frame", "<"});
-  for (const VerifyRun& run : result.runs) {
-    table.add({std::string(name(run.axis)), run.value, grouped(run.rows), grouped(run.frames),
-               to_string(run.hash), result_of(run, result.runs.front())});
-  }
-  return table.text();
-}
 
 Json json_of_run(const VerifyRun& run) {
   Json object = {
@@ -119,7 +66,6 @@ ExitStatus verify_one(const std::string& path, const Options& options, Json& doc
   const VerifyResult result = scene::verify(verified, settings);
   progress.clear();
 
-  const std::optional<solver::BadRow>& stopped = result.runs.front().stopped;
   Json runs = Json::array();
   for (const VerifyRun& run : result.runs) runs.push_back(json_of_run(run));
   documents.push_back({{"scene", scene_identity(scene)},
@@ -129,22 +75,19 @@ ExitStatus verify_one(const std::string& path, const Options& options, Json& doc
                        {"seconds", progress.seconds()},
                        {"runs", runs}});
   if (!options.json) {
-    print(heading(verified) + table_of(result));
-    for (const VerifyRun& run : result.runs) {
-      if (run.difference)
-        print(fmt::format("{} {}: {}", name(run.axis), run.value, describe(*run.difference)));
-    }
-    print(result.equal()
-              ? fmt::format("the same bits in {} ({})\n\n", counted(result.runs.size(), "run"),
-                            seconds_text(progress.seconds()))
-              : "the bits DIFFER\n\n");
+    print(verify_report(scene, verified, result) +
+          (result.equal()
+               ? fmt::format("the same bits in {} ({})\n\n", counted(result.runs.size(), "run"),
+                             seconds_text(progress.seconds()))
+               : "the bits DIFFER\n\n"));
     flush_output();
   }
-  if (!result.equal()) return ExitStatus::difference;
-  if (!stopped) return ExitStatus::done;
-  say_error(
-      fmt::format("{}: every run stopped: {}", path, solver::NumericalError(*stopped).what()));
-  return ExitStatus::numerical;
+  const ExitStatus status = verify_status(result);
+  if (status == ExitStatus::numerical) {
+    const solver::NumericalError error(*result.runs.front().stopped);
+    say_error(fmt::format("{}: every run stopped: {}", path, error.what()));
+  }
+  return status;
 }
 
 }  // namespace

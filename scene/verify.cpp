@@ -185,7 +185,7 @@ bool same(const std::optional<BadRow>& a, const std::optional<BadRow>& b) {
 class Verifier {
  public:
   Verifier(const Scene& scene, const VerifyOptions& options)
-      : scene_(scene), options_(options), steps_(frame_steps(scene)) {
+      : scene_(scene), options_(options), steps_(frame_steps(scene)), alone_(last_to_emit(scene)) {
     list_runs();
   }
 
@@ -226,11 +226,9 @@ class Verifier {
       add(VerifyAxis::resume, fmt::format("at step {}", steps_[middle()]));
     }
     add(VerifyAxis::rows, "every third");
-    const auto& emitters = scene_.setup.emitters;
-    if (emitters.size() > 1) {
-      const std::string& name = emitters.back().name;
-      add(VerifyAxis::emitter,
-          name.empty() ? fmt::format("stream {} alone", emitters.back().stream) : name + " alone");
+    if (alone_) {
+      add(VerifyAxis::emitter, alone_->name.empty() ? fmt::format("stream {} alone", alone_->stream)
+                                                    : alone_->name + " alone");
     }
   }
 
@@ -244,19 +242,28 @@ class Verifier {
 
   std::size_t middle() const { return (steps_.size() - 1) / 2; }
 
-  // The last emitter: alone it stands in other rows than among the others.
+  // The emitter to run alone, if there are several: the last one that emits anything, since alone
+  // it fills other rows than after the others.
+  static const solver::Emitter* last_to_emit(const Scene& scene) {
+    const Setup& setup = scene.setup;
+    if (setup.emitters.size() < 2) return nullptr;
+    for (auto emitter = setup.emitters.rbegin(); emitter != setup.emitters.rend(); ++emitter) {
+      const solver::EmissionSchedule schedule(*emitter, setup.t0, setup.dt);
+      if (schedule.emitted_before(scene.steps + 1) > 0) return &*emitter;
+    }
+    return nullptr;
+  }
+
   Setup setup_of(const VerifyRun& run) const {
     Setup setup = scene_.setup;
-    if (run.axis == VerifyAxis::emitter) {
-      setup.emitters.erase(setup.emitters.begin(), setup.emitters.end() - 1);
-    }
+    if (run.axis == VerifyAxis::emitter) setup.emitters = {*alone_};
     return setup;
   }
 
   // Whether a particle of the reference takes part in a run.
   bool takes_part(const VerifyRun& run, soa::Id id) const {
     if (run.axis == VerifyAxis::emitter) {
-      return soa::stream_of(id) == scene_.setup.emitters.back().stream;
+      return soa::stream_of(id) == alone_->stream;
     }
     return run.axis != VerifyAxis::rows ||
            !std::binary_search(dropped_.begin(), dropped_.end(), id);
@@ -308,7 +315,7 @@ class Verifier {
       Frame& frame = frames_.emplace_back();
       frame.whole = world.hash().total;
       frame.rows = state_hash(part(world, rows), world.parallel()).total;
-      if (scene_.setup.emitters.size() > 1) {
+      if (alone_) {
         frame.emitter = state_hash(part(world, emitter), world.parallel()).total;
       }
       frame.summary = summary_of(world);
@@ -452,6 +459,7 @@ class Verifier {
   const Scene& scene_;
   const VerifyOptions& options_;
   std::vector<std::int64_t> steps_;  // of the frames
+  const solver::Emitter* alone_;
   std::vector<VerifyRun> runs_;
   std::size_t index_ = 0;  // of the run that runs
   std::vector<Frame> frames_;
