@@ -5,46 +5,18 @@
 
 #include <cstddef>
 #include <cstring>
-#include <memory>
-#include <new>
+#include <utility>
+
+#include "soa/aligned_bytes.hpp"
 
 namespace salvo::soa {
 
-inline constexpr std::size_t alignment = 64;
 /// Rows are padded to a multiple of this.
 inline constexpr std::size_t block_rows = 64;
 
 constexpr std::size_t padded(std::size_t rows) {
   return (rows + block_rows - 1) / block_rows * block_rows;
 }
-
-/// 64-byte aligned, zero-filled storage, `skew` bytes (a multiple of 64) into its allocation.
-/// Throws std::bad_alloc.
-class AlignedBytes {
- public:
-  AlignedBytes() = default;
-  explicit AlignedBytes(std::size_t size, std::size_t skew = 0)
-      : allocation_(size == 0 ? nullptr
-                              : static_cast<std::byte*>(
-                                    ::operator new (size + skew, std::align_val_t{alignment}))),
-        size_(size),
-        skew_(skew) {
-    if (size != 0) std::memset(data(), 0, size);
-  }
-  std::byte* data() { return size_ == 0 ? nullptr : allocation_.get() + skew_; }
-  const std::byte* data() const { return size_ == 0 ? nullptr : allocation_.get() + skew_; }
-  std::size_t size() const { return size_; }
-
- private:
-  struct Release {
-    void operator()(std::byte* bytes) const {
-      ::operator delete (bytes, std::align_val_t{alignment});
-    }
-  };
-  std::unique_ptr<std::byte, Release> allocation_;
-  std::size_t size_ = 0;
-  std::size_t skew_ = 0;
-};
 
 /// A column of `element_size`-byte elements. Knows bytes, not types: the table hands out typed
 /// pointers.
