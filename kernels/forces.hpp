@@ -31,7 +31,7 @@ Vec3<V> linear_drag(Vec3<V> flow, V coefficient, V inverse_mass) {
 /// A)/m in 1/m.   [6.2]
 template <class V>
 Vec3<V> quadratic_drag(Vec3<V> flow, V factor) {
-  return flow * -(factor * norm(flow));
+  return -(flow * (factor * norm(flow)));
 }
 
 /// Volume of a sphere, m^3.

@@ -209,7 +209,8 @@ class Lane {
 #endif
     return a.batch_ / b.batch_;
   }
-  friend Lane operator-(Lane a) { return a.batch_ ^ sign_bit(); }
+  // The compiler's own negation, which flips the sign bit and which it can merge into a sum.
+  friend Lane operator-(Lane a) { return Batch(-a.batch_.data); }
   friend Mask operator<(Lane a, Lane b) { return a.batch_ < b.batch_; }
   friend Mask operator<=(Lane a, Lane b) { return a.batch_ <= b.batch_; }
   friend Mask operator>(Lane a, Lane b) { return a.batch_ > b.batch_; }
@@ -255,45 +256,50 @@ class Lane {
 
 // ---- in terms of the above ----------------------------------------------------------------------
 
+/// A lane type: Lane, or Pair of lane types.
+template <class V>
+concept LaneType = requires {
+  typename V::Real;
+  typename V::Mask;
+  V::width;
+};
+
 /// The lesser; b where either is NaN. Not the hardware's min: x86 and ARM order NaN and -0
 /// differently.
-template <class T, class Isa>
-Lane<T, Isa> min(Lane<T, Isa> a, std::type_identity_t<Lane<T, Isa>> b) {
+template <LaneType V>
+V min(V a, std::type_identity_t<V> b) {
   return select(a < b, a, b);
 }
 
 /// The greater; b where either is NaN.
-template <class T, class Isa>
-Lane<T, Isa> max(Lane<T, Isa> a, std::type_identity_t<Lane<T, Isa>> b) {
+template <LaneType V>
+V max(V a, std::type_identity_t<V> b) {
   return select(a > b, a, b);
 }
 
 /// x held within [low, high]; NaN becomes low.
-template <class T, class Isa>
-Lane<T, Isa> clamp(Lane<T, Isa> x, std::type_identity_t<Lane<T, Isa>> low,
-                   std::type_identity_t<Lane<T, Isa>> high) {
+template <LaneType V>
+V clamp(V x, std::type_identity_t<V> low, std::type_identity_t<V> high) {
   return min(max(x, low), high);
 }
 
 /// To the nearest whole number, halves away from zero.
-template <class T, class Isa>
-Lane<T, Isa> round(Lane<T, Isa> x) {
-  using V = Lane<T, Isa>;
+template <LaneType V>
+V round(V x) {
   const V whole = trunc(x);
   return copysign(select(abs(x - whole) >= V(0.5), whole + copysign(V(1), x), whole), x);
 }
 
 /// a*b + c with both roundings: the exact set has no fused multiply-add.
-template <class T, class Isa>
-Lane<T, Isa> multiply_add(Lane<T, Isa> a, std::type_identity_t<Lane<T, Isa>> b,
-                          std::type_identity_t<Lane<T, Isa>> c) {
+template <LaneType V>
+V multiply_add(V a, std::type_identity_t<V> b, std::type_identity_t<V> c) {
   return a * b + c;
 }
 
 /// True where x is neither infinite nor NaN.
-template <class T, class Isa>
-typename Lane<T, Isa>::Mask is_finite(Lane<T, Isa> x) {
-  return x - x == Lane<T, Isa>(0);
+template <LaneType V>
+typename V::Mask is_finite(V x) {
+  return x - x == V(0);
 }
 
 /// The lane of this translation unit's instruction set.

@@ -24,7 +24,7 @@ class Draws {
 
   /// Uniform on [0, 1), multiples of 2^-53. One draw.
   double uniform(std::uint32_t draw) const { return to_unit(block(draw).first); }
-  /// Uniform on [low, high). One draw.
+  /// Uniform on [low, high], high by rounding only. One draw.
   double uniform(std::uint32_t draw, double low, double high) const {
     return low + (high - low) * uniform(draw);
   }

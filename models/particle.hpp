@@ -48,6 +48,41 @@ struct ParticleCoefficients {
   V wind_push;     // 1/2 rho (Cd A)/m |wind|, the book's constant push over the wind, 1/s
 };
 
+/// Those that PlainForces wants.
+template <class V>
+ParticleCoefficients<V> plain_coefficients(V mass, V drag_area, V half_density) {
+  ParticleCoefficients<V> c;
+  c.inverse_mass = V(1) / mass;
+  c.drag_factor = half_density * drag_area * c.inverse_mass;
+  return c;
+}
+
+/// Gravity, drag and a uniform wind: all that many scenes have. Calls nothing, so that packs stay
+/// in registers.
+template <class V>
+struct PlainForces {
+  explicit PlainForces(const ForceSettings& settings)
+      : gravity(broadcast<V>(settings.gravity)),
+        wind(broadcast<V>(settings.windy ? settings.wind.velocity : Triple{})),
+        linear_drag(settings.linear_drag) {}
+
+  /// Acceleration in m/s^2. `quadratic` and `linear` say which drag there is: bool, or
+  /// std::bool_constant where a kernel knows.
+  template <class Quadratic, class Linear>
+  Vec3<V> acceleration(Vec3<V> velocity, const ParticleCoefficients<V>& c, Quadratic quadratic,
+                       Linear linear) const {
+    const Vec3<V> flow = velocity - wind;
+    Vec3<V> a = gravity;
+    if (quadratic) a += kernels::quadratic_drag(flow, c.drag_factor);
+    if (linear) a += kernels::linear_drag(flow, linear_drag, c.inverse_mass);
+    return a;
+  }
+
+  Vec3<V> gravity;  // m/s^2
+  Vec3<V> wind;     // m/s
+  V linear_drag;    // kg/s
+};
+
 template <class V>
 class ParticleForces {
  public:
@@ -55,10 +90,8 @@ class ParticleForces {
 
   explicit ParticleForces(const ForceSettings& settings)
       : settings_(settings),
-        gravity_(broadcast<V>(settings.gravity)),
-        wind_(settings.windy ? broadcast<V>(settings.wind.velocity) : Vec3<V>{V(0), V(0), V(0)}),
+        plain_(settings),
         half_density_(0.5 * settings.air_density),
-        linear_drag_(settings.linear_drag),
         drag_(settings.quadratic_drag),
         linear_(settings.linear_drag != 0),
         still_air_(settings.drag_law == DragLaw::book_still_air),
@@ -78,9 +111,7 @@ class ParticleForces {
   }
 
   ParticleCoefficients<V> coefficients(const ParticleRow<V>& row) const {
-    ParticleCoefficients<V> c;
-    c.inverse_mass = V(1) / row.mass;
-    c.drag_factor = half_density_ * row.drag_area * c.inverse_mass;
+    ParticleCoefficients<V> c = plain_coefficients(row.mass, row.drag_area, half_density_);
     c.buoyancy = V(settings_.air_density) * kernels::sphere_volume(row.radius) * c.inverse_mass;
     c.wind_push = c.drag_factor * wind_speed_;
     return c;
@@ -90,31 +121,26 @@ class ParticleForces {
   /// right-hand side.
   bool plain() const { return uniform_wind_ && !still_air_ && !extra_; }
 
-  /// The part of acceleration() that calls nothing, so that packs stay in registers.
   Vec3<V> plain_acceleration(Vec3<V> velocity, const ParticleCoefficients<V>& c) const {
-    const Vec3<V> flow = velocity - wind_;
-    Vec3<V> a = gravity_;
-    if (drag_) a += kernels::quadratic_drag(flow, c.drag_factor);
-    if (linear_) a += kernels::linear_drag(flow, linear_drag_, c.inverse_mass);
-    return a;
+    return plain_.acceleration(velocity, c, drag_, linear_);
   }
 
   /// Acceleration in m/s^2; `instant` points at the coefficients of this instant.
   Vec3<V> acceleration(Vec3<V> position, Vec3<V> velocity, const ParticleCoefficients<V>& c,
                        const T* instant) const {
-    Vec3<V> a = gravity_;
+    Vec3<V> a = plain_.gravity;
     const Vec3<V> air = still_air_ ? Vec3<V>{V(0), V(0), V(0)} : wind(position, instant);
     const Vec3<V> flow = velocity - air;
     if (drag_) a += kernels::quadratic_drag(flow, c.drag_factor);
-    if (drag_ && still_air_) a += wind_ * c.wind_push;
-    if (linear_) a += kernels::linear_drag(flow, linear_drag_, c.inverse_mass);
+    if (drag_ && still_air_) a += plain_.wind * c.wind_push;
+    if (linear_) a += kernels::linear_drag(flow, plain_.linear_drag, c.inverse_mass);
     if (extra_) a += extra(position, c, instant);
     return a;
   }
 
   /// Velocity of the air, m/s.
   Vec3<V> wind(Vec3<V> position, const T* instant) const {
-    Vec3<V> air = wind_;
+    Vec3<V> air = plain_.wind;
     const Wind& w = settings_.wind;
     if (settings_.windy && w.profile != WindProfile::uniform) {
       const V height = dot(position, broadcast<V>(settings_.up)) - V(w.ground);
@@ -139,7 +165,7 @@ class ParticleForces {
       a += kernels::point_gravity(position, broadcast<V>(pull.center), V(pull.strength),
                                   V(pull.softening));
     }
-    if (settings_.buoyancy) a -= gravity_ * c.buoyancy;
+    if (settings_.buoyancy) a -= plain_.gravity * c.buoyancy;
     const T* amplitude = instant + gust_coefficients;
     for (const Blast& blast : settings_.blasts) {
       a += kernels::blast(position, broadcast<V>(blast.center), V(*amplitude) * c.inverse_mass,
@@ -150,10 +176,8 @@ class ParticleForces {
   }
 
   const ForceSettings& settings_;
-  Vec3<V> gravity_;
-  Vec3<V> wind_;
+  PlainForces<V> plain_;
   V half_density_;
-  V linear_drag_;
   V wind_speed_{0};
   V inverse_log_reference_{0};
   Vec3<V> gust_direction_;

@@ -30,7 +30,7 @@ struct Domain {
 /// Whole-number results of a pass; they add up in any order.
 struct ContactTally {
   std::uint64_t impacts = 0;
-  std::uint64_t rests = 0;  ///< particles put to rest by a fifth impact within one step
+  std::uint64_t rests = 0;  ///< steps that ended at rest or sliding on the surface, impacts used up
 };
 
 /// Rows [first_row, last_row) of the columns; first_row is a multiple of 64 and the columns are

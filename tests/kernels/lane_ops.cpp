@@ -1,6 +1,7 @@
 #include "tests/kernels/lane_ops.hpp"
 
 #include "kernels/lane.hpp"
+#include "kernels/pair.hpp"
 
 namespace salvo::tests::lane_ops {
 inline namespace SALVO_ISA {
@@ -19,9 +20,8 @@ V evaluate(Op op, [[maybe_unused]] V a, [[maybe_unused]] V b, [[maybe_unused]] V
   return V(0);
 }
 
-template <class T>
+template <class V, class T>
 void apply(Op op, const T* a, const T* b, const T* c, T* out, std::size_t count) {
-  using V = kernels::NativeLane<T>;
   for (std::size_t i = 0; i < count; i += V::width) {
     evaluate<V>(op, V::load(a + i), V::load(b + i), V::load(c + i)).store(out + i);
   }
@@ -53,7 +53,9 @@ void masks(const T* a, const T* b, std::uint32_t* bits_out, bool* any_out, bool*
 
 template <class T>
 constexpr Operations<T> operations() {
-  return {kernels::NativeLane<T>::width, &apply<T>, &gather<T>, &scatter<T>, &masks<T>};
+  using V = kernels::NativeLane<T>;
+  using Abreast = kernels::Pair<kernels::Pair<V>>;
+  return {V::width, &apply<V, T>, &apply<Abreast, T>, &gather<T>, &scatter<T>, &masks<T>};
 }
 
 }  // namespace

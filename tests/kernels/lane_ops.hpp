@@ -65,6 +65,8 @@ struct Operations {
   std::size_t width;
   /// out[i] = op(a[i], b[i], c[i])
   void (*apply)(Op op, const T* a, const T* b, const T* c, T* out, std::size_t count);
+  /// The same through pairs of pairs of packs.
+  void (*apply_abreast)(Op op, const T* a, const T* b, const T* c, T* out, std::size_t count);
   /// out[i] = base[index[i]]
   void (*gather)(const T* base, const std::int32_t* index, T* out, std::size_t count);
   /// base[index[i]] = values[i], in ascending i

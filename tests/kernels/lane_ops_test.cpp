@@ -224,6 +224,9 @@ TYPED_TEST(LaneOps, EveryInstructionSetIsScalar) {
       run(solver::Isa::scalar, wanted);
       run(isa, got);
       expect_same(info, std::string(name(isa)).c_str(), operands, got, wanted);
+      operations<T>(isa).apply_abreast(info.op, operands.a.data(), operands.b.data(),
+                                       operands.c.data(), got.data(), got.size());
+      expect_same(info, (std::string(name(isa)) + ", four packs").c_str(), operands, got, wanted);
     }
   }
 }
