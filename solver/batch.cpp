@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <stdexcept>
+
+#include "solver/tile.hpp"
 
 namespace salvo::solver {
 
 namespace {
-
-constexpr std::size_t tile_rows = 4096;
 
 std::vector<soa::Field> fields_of(const BatchKernels& kernels) {
   std::vector<soa::Field> fields;
@@ -24,6 +26,12 @@ void call(const BatchKernels& kernels, const BatchPass<float>& pass) {
 }
 void call(const BatchKernels& kernels, const BatchPass<double>& pass) {
   kernels.advance_twice(pass);
+}
+void call(const BatchKernels& kernels, IntegratePass<float>& pass) {
+  kernels.integrate_single(pass);
+}
+void call(const BatchKernels& kernels, IntegratePass<double>& pass) {
+  kernels.integrate_twice(pass);
 }
 
 }  // namespace
@@ -53,24 +61,29 @@ std::size_t Batch::field_index(std::string_view name) const {
 }
 
 template <class T>
-void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double dt, int threads) {
-  std::vector<T*> state;
-  std::vector<const T*> parameters;
+Batch::Columns<T> Batch::columns_of(const BatchKernels& kernels) {
+  Columns<T> columns;
   for (std::size_t f = 1; f < fields_.size(); ++f) {
     T* column = table_.column<T>(f);
     if (f <= kernels.state_fields.size()) {
-      state.push_back(column);
+      columns.state.push_back(column);
     } else {
-      parameters.push_back(column);
+      columns.parameters.push_back(column);
     }
   }
-  const std::size_t tiles = (rows() + tile_rows - 1) / tile_rows;
+  return columns;
+}
+
+template <class T>
+void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double dt, int threads) {
+  const Columns<T> columns = columns_of<T>(kernels);
+  const std::size_t tiles = tiles_of(rows());
   Parallel(threads).for_each(tiles, [&](std::size_t tile) {
     BatchPass<T> pass;
     pass.first_row = tile * tile_rows;
     pass.last_row = std::min(rows(), pass.first_row + tile_rows);
-    pass.state = state.data();
-    pass.parameters = parameters.data();
+    pass.state = columns.state.data();
+    pass.parameters = columns.parameters.data();
     pass.t0 = t0_;
     pass.dt = dt;
     pass.first_step = step_;
@@ -80,6 +93,7 @@ void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double
 }
 
 void Batch::advance(std::int64_t steps, double dt, Isa isa, int threads) {
+  require_available(isa);
   const BatchKernels& kernels = model_(isa);
   if (table_.precision() == soa::Precision::single) {
     advance_rows<float>(kernels, steps, dt, threads);
@@ -88,6 +102,84 @@ void Batch::advance(std::int64_t steps, double dt, Isa isa, int threads) {
   }
   table_.clear_padding();
   step_ += steps;
+}
+
+std::string_view name(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::time_limit:
+      return "time limit";
+    case Outcome::step_limit:
+      return "step limit";
+    case Outcome::not_finite:
+      return "not finite";
+    case Outcome::smallest_step:
+      return "smallest step";
+  }
+  return "unknown";
+}
+
+template <class T>
+void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> end,
+                           const Integration& integration, int threads, Integrated& result) {
+  const Columns<T> columns = columns_of<T>(kernels);
+  const std::size_t tiles = tiles_of(rows());
+  std::vector<std::array<std::uint64_t, 2>> taken(tiles);
+  Parallel(threads).for_each(tiles, [&](std::size_t tile) {
+    IntegratePass<T> pass;
+    pass.first_row = tile * tile_rows;
+    pass.last_row = std::min(rows(), pass.first_row + tile_rows);
+    pass.state = columns.state.data();
+    pass.parameters = columns.parameters.data();
+    pass.end = end.data();
+    pass.time = result.time.data();
+    pass.outcome = result.outcome.data();
+    pass.steps = result.steps.data();
+    pass.t0 = t0_;
+    pass.integration = integration;
+    call(kernels, pass);
+    taken[tile] = {pass.useful_steps, pass.lane_steps};
+  });
+  std::uint64_t useful = 0;
+  std::uint64_t all = 0;
+  for (const auto& [tile_useful, tile_all] : taken) {
+    useful += tile_useful;
+    all += tile_all;
+  }
+  result.simd_efficiency = all == 0 ? 1 : static_cast<double>(useful) / static_cast<double>(all);
+}
+
+Integrated Batch::integrate(std::span<const double> end, const Integration& integration, Isa isa,
+                            int threads) {
+  require_available(isa);
+  const auto refuse = [](std::string_view what) { throw std::invalid_argument(std::string(what)); };
+  const bool adaptive = integration.absolute_tolerance > 0 || integration.relative_tolerance > 0;
+  if (end.size() != rows()) refuse("one end time a row is needed");
+  for (std::size_t row = 0; row < end.size(); ++row) {
+    if (!(end[row] >= t0_) || !std::isfinite(end[row])) {
+      refuse(fmt::format("row {} ends at {} s, before {} s", row, end[row], t0_));
+    }
+  }
+  if (!(integration.step > 0)) refuse("the step must be positive");
+  if (!(integration.absolute_tolerance >= 0) || !(integration.relative_tolerance >= 0)) {
+    refuse("a tolerance is negative");
+  }
+  if (adaptive && integration.method == Method::runge_kutta_4) {
+    refuse("the classical Runge-Kutta method knows no error; choose another for tolerances");
+  }
+  if (integration.most_steps < 1 || integration.most_steps > 1 << 24) {
+    refuse("the step limit must be from 1 to 2^24");
+  }
+  Integrated result;
+  result.time.resize(rows());
+  result.outcome.resize(rows());
+  result.steps.resize(rows());
+  const BatchKernels& kernels = model_(isa);
+  if (table_.precision() == soa::Precision::single) {
+    integrate_rows<float>(kernels, end, integration, threads, result);
+  } else {
+    integrate_rows<double>(kernels, end, integration, threads, result);
+  }
+  return result;
 }
 
 StateHash Batch::hash() const { return state_hash(table_, Parallel(1)); }

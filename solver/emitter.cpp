@@ -90,6 +90,13 @@ void book_explosion(const Emitter& emitter, const Draws& draws, std::int64_t ste
   born.death = death_step(step, life, dt);
 }
 
+// Uniform within a ball about the origin.
+Vec3<double> in_ball(double radius, const Draws& draws) {
+  if (!(radius > 0)) return {0, 0, 0};
+  const double r = radius * cbrt(S(draws.uniform(draw::place_radius))).value();
+  return draws.on_sphere(draw::place) * r;
+}
+
 Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, double dt) {
   Newborn born;
   born.mass = sample(emitter.mass, draws, draw::mass);
@@ -105,10 +112,7 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
     case EmitterKind::burst:
     case EmitterKind::energy_explosion:
       born.velocity = draws.on_sphere(draw::direction) * speed;
-      if (emitter.source_radius > 0) {
-        const double r = emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
-        born.position = draws.on_sphere(draw::place) * r;
-      }
+      born.position = in_ball(emitter.source_radius, draws);
       break;
     case EmitterKind::shell: {
       const Vec3<double> outward = draws.on_sphere(draw::direction);
@@ -120,10 +124,7 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
     case EmitterKind::jet:
       born.velocity =
           draws.in_cone(draw::direction, vector(emitter.direction), emitter.half_angle) * speed;
-      if (emitter.source_radius > 0) {
-        const double r = emitter.source_radius * cbrt(S(draws.uniform(draw::place_radius))).value();
-        born.position = draws.on_sphere(draw::place) * r;
-      }
+      born.position = in_ball(emitter.source_radius, draws);
       break;
     case EmitterKind::book_explosion:
       book_explosion(emitter, draws, step, dt, born);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
+#include <string>
 
 namespace salvo::solver {
 
@@ -51,6 +53,14 @@ std::vector<Isa> available_isas() {
     if (supported(isa)) available.push_back(isa);
   }
   return available;
+}
+
+void require_available(Isa isa) {
+  const std::vector<Isa> available = available_isas();
+  if (std::find(available.begin(), available.end(), isa) == available.end()) {
+    throw std::invalid_argument("this machine cannot run the " + std::string(name(isa)) +
+                                " kernels");
+  }
 }
 
 Isa widest_isa() { return available_isas().back(); }

@@ -17,6 +17,9 @@ std::optional<Isa> isa_named(std::string_view name);
 /// narrowest first.
 std::vector<Isa> available_isas();
 
+/// Throws std::invalid_argument when `isa` is not one of them.
+void require_available(Isa isa);
+
 /// The widest of them.
 Isa widest_isa();
 

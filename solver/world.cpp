@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "models/particle.hpp"
 #include "solver/floating_point_environment.hpp"
 #include "solver/instants.hpp"
+#include "solver/tile.hpp"
 
 namespace salvo::solver {
 
@@ -16,8 +18,6 @@ namespace {
 
 using soa::ParticleField;
 
-// Rows of a tile, the unit of scheduling: a multiple of 64 whose columns fit in the L2 cache.
-constexpr std::size_t tile_rows = 4096;
 constexpr std::size_t remembered_rows = 100;
 
 constexpr std::size_t index(ParticleField field) { return static_cast<std::size_t>(field); }
@@ -31,15 +31,48 @@ std::string describe(const BadRow& row) {
 
 const Setup& checked(const Setup& setup) {
   if (!(setup.dt > 0)) throw std::invalid_argument("the time step must be positive");
+  std::vector<std::uint64_t> streams;
+  for (const Emitter& emitter : setup.emitters) {
+    if (emitter.stream >= soa::max_stream) {
+      throw std::invalid_argument(fmt::format("stream {} is too large", emitter.stream));
+    }
+    if (std::find(streams.begin(), streams.end(), emitter.stream) != streams.end()) {
+      throw std::invalid_argument(fmt::format("two emitters have stream {}", emitter.stream));
+    }
+    streams.push_back(emitter.stream);
+  }
+  constexpr std::uint64_t most_rows = std::numeric_limits<std::uint32_t>::max();
+  const std::uint64_t rows = World::total_emitted(setup);
+  if (rows > most_rows) {
+    throw std::invalid_argument(
+        fmt::format("{} particles are more than the {} of one world", rows, most_rows));
+  }
+  return setup;
+}
+
+// Directions of unit length: a scene's are already, bit for bit.
+Setup normalized(Setup setup) {
+  setup.forces = completed(setup.forces);
+  for (models::Obstacle& obstacle : setup.obstacles) {
+    if (!models::is_normalized(obstacle)) obstacle = models::normalized(obstacle);
+    if (!models::is_normalized(obstacle)) {
+      throw std::invalid_argument("an obstacle's axis or rotation has no length");
+    }
+  }
+  for (Emitter& emitter : setup.emitters) {
+    const auto d = kernels::Vec3<kernels::ScalarLane<double>>{
+        emitter.direction[0], emitter.direction[1], emitter.direction[2]};
+    const double length = norm(d).value();
+    if (!(length > 0)) throw std::invalid_argument("an emitter's direction has no length");
+    constexpr double rounding = 1e-12;
+    if (std::abs(length - 1) <= rounding) continue;
+    for (double& component : emitter.direction) component /= length;
+  }
   return setup;
 }
 
 const Execution& checked(const Execution& execution) {
-  const std::vector<Isa> available = available_isas();
-  if (std::find(available.begin(), available.end(), execution.isa) == available.end()) {
-    throw std::invalid_argument(
-        fmt::format("this machine cannot run the {} kernels", name(execution.isa)));
-  }
+  require_available(execution.isa);
   if (execution.pass_steps < 1) throw std::invalid_argument("a pass takes at least one step");
   return execution;
 }
@@ -125,7 +158,7 @@ World::World(const Setup& setup, const Execution& execution)
       parallel_(std::make_unique<Parallel>(execution.threads)),
       particles_(empty_table(setup)) {
   const FloatingPointEnvironment environment;
-  setup_.forces = completed(setup.forces);
+  setup_ = normalized(setup_);
   for (const Emitter& emitter : setup_.emitters) {
     schedules_.emplace_back(emitter, setup_.t0, setup_.dt);
   }
@@ -140,7 +173,7 @@ void World::execute_as(const Execution& execution) {
 }
 
 void World::emit_due() {
-  bool emitted = false;
+  const std::size_t present = particles_.rows();
   for (std::size_t e = 0; e < schedules_.size(); ++e) {
     const std::uint64_t before = schedules_[e].emitted_before(step_);
     const std::uint64_t count = schedules_[e].emitted_before(step_ + 1) - before;
@@ -148,18 +181,22 @@ void World::emit_due() {
     const std::size_t first = particles_.append(count);
     emit(setup_.emitters[e], setup_.seed, step_, setup_.dt, before, count, particles_, first,
          *parallel_);
-    emitted = true;
   }
-  if (emitted) find_next_death();
+  find_next_death(present);
 }
 
-void World::find_next_death() {
-  next_death_ = soa::never;
+void World::find_next_death(std::size_t first_row) {
+  if (first_row == 0) next_death_ = soa::never;
   const auto* death = particles_.column<std::int32_t>(index(ParticleField::death));
   if (!death) return;
-  for (std::size_t row = 0; row < particles_.rows(); ++row) {
+  for (std::size_t row = first_row; row < particles_.rows(); ++row) {
     next_death_ = std::min<std::int64_t>(next_death_, death[row]);
   }
+}
+
+double World::time() const {
+  const FloatingPointEnvironment environment;
+  return setup_.t0 + static_cast<double>(step_) * setup_.dt;
 }
 
 // A pass ends at the next emission, so that what is born takes part from then on.
@@ -173,6 +210,10 @@ std::int64_t World::pass_end(std::int64_t target) const {
 }
 
 void World::advance_to(std::int64_t target) {
+  if (target < step_ || target >= soa::never) {
+    throw std::invalid_argument(
+        fmt::format("a world at step {} cannot advance to step {}", step_, target));
+  }
   const FloatingPointEnvironment environment;
   while (step_ < target) {
     const auto steps = static_cast<std::int32_t>(pass_end(target) - step_);
@@ -236,7 +277,7 @@ void World::run_pass(std::int32_t steps, std::vector<T>& instants) {
   const ParticlePass<T> whole = whole_pass(steps, instants);
   const ParticleKernels& kernels = particle_kernels(execution_.isa);
   const std::size_t rows = particles_.rows();
-  const std::size_t tiles = (rows + tile_rows - 1) / tile_rows;
+  const std::size_t tiles = tiles_of(rows);
   unsaved_.resize(soa::padded(rows) / soa::block_rows);
   tile_results_.resize(tiles);
   parallel_->for_each(tiles, [&](std::size_t tile) {
@@ -351,6 +392,8 @@ void World::report_bad_rows() {
   if (setup_.on_bad == BadRowPolicy::stop) throw NumericalError(bad_rows_.front());
   removed_ += bad_rows_.size();
   for (const BadRow& row : bad_rows_) {
+    Removals& removals = row.left_domain ? left_domain_ : non_finite_;
+    if (removals.count++ == 0) removals.first = row;
     if (removed_rows_.size() < remembered_rows) removed_rows_.push_back(row);
   }
   bad_rows_.clear();
@@ -362,7 +405,7 @@ void World::remove_dead() {
   std::vector<std::uint8_t> keep(particles_.rows());
   for (std::size_t row = 0; row < keep.size(); ++row) keep[row] = death[row] > step_ ? 1 : 0;
   particles_.compact(keep);
-  find_next_death();
+  find_next_death(0);
 }
 
 Diagnostics World::diagnose() const {
@@ -379,8 +422,10 @@ void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
   particles_.reserve(total_emitted(setup_));
   tally_ = tally;
   removed_ = removed;
+  left_domain_ = {};
+  non_finite_ = {};
   removed_rows_.clear();
-  find_next_death();
+  find_next_death(0);
 }
 
 }  // namespace salvo::solver

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -63,16 +64,23 @@ class NumericalError : public std::runtime_error {
   BadRow row_;
 };
 
+/// The particles that went for one reason, and the first of them.
+struct Removals {
+  std::uint64_t count = 0;
+  std::optional<BadRow> first;
+};
+
 class World {
  public:
-  /// At step 0, with what is emitted then. Throws std::bad_alloc, std::invalid_argument (an
-  /// instruction set that this binary or machine lacks).
+  /// At step 0, with what is emitted then; brings directions to unit length. Throws std::bad_alloc,
+  /// std::invalid_argument (an instruction set that this binary or machine lacks, two emitters of
+  /// one stream, a direction without length).
   World(const Setup& setup, const Execution& execution);
 
   const Setup& setup() const { return setup_; }
   const Execution& execution() const { return execution_; }
   std::int64_t step() const { return step_; }
-  double time() const { return setup_.t0 + static_cast<double>(step_) * setup_.dt; }
+  double time() const;
   /// Sorted by id; rows that are alive at this step.
   const soa::Table& particles() const { return particles_; }
   const Parallel& parallel() const { return *parallel_; }
@@ -80,6 +88,10 @@ class World {
   ContactTally tally() const { return tally_; }
   /// Particles removed because they went bad, since the start.
   std::uint64_t removed() const { return removed_; }
+  /// Those of them that left the domain, and those that became non-finite, since construction or
+  /// restore().
+  const Removals& left_domain() const { return left_domain_; }
+  const Removals& non_finite() const { return non_finite_; }
   /// The first 100 of them, by step and id.
   const std::vector<BadRow>& removed_rows() const { return removed_rows_; }
   /// Particle-steps taken since construction; for rates.
@@ -88,8 +100,8 @@ class World {
   /// Goes on in another way, to the same bits. Throws std::invalid_argument.
   void execute_as(const Execution& execution);
 
-  /// Steps to `step`. Throws NumericalError, naming the earliest bad row; the world is of no
-  /// further use then.
+  /// Steps to `step`, at most 2^31 - 2. Throws NumericalError, naming the earliest bad row; the
+  /// world is of no further use then. Throws std::invalid_argument for a step in the past.
   void advance_to(std::int64_t step);
 
   Diagnostics diagnose() const;
@@ -124,7 +136,7 @@ class World {
   void rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::uint64_t rows);
   void report_bad_rows();
   void remove_dead();
-  void find_next_death();
+  void find_next_death(std::size_t first_row);  // among the rows from this one on
 
   Setup setup_;
   Execution execution_;
@@ -136,6 +148,8 @@ class World {
   ContactTally tally_;
   std::uint64_t removed_ = 0;
   std::uint64_t particle_steps_ = 0;
+  Removals left_domain_;
+  Removals non_finite_;
   std::vector<BadRow> removed_rows_;
   std::vector<BadRow> bad_rows_;  // of the current pass
   std::vector<float> instants_single_;
