@@ -9,7 +9,7 @@ namespace salvo::cli {
 namespace {
 
 constexpr OptionEntry set{"--set", "", "KEY=VALUE",
-                          "change a key of the scene, such as dt=1e-3 or emitter.0.count=1000",
+                          "change a key of the scene, such as time.dt=1e-3 or emitter.0.count=1000",
                           true};
 constexpr OptionEntry isa{"--isa", "", "NAME", "instruction set: scalar, sse2, avx2, avx512, neon"};
 constexpr OptionEntry threads{"--threads", "", "N", "number of threads; the machine's by default"};
@@ -38,10 +38,11 @@ std::span<const CommandEntry> commands() {
        "run",
        "SCENE",
        "run a scene and record it",
-       "Runs a scene and records its frames and checkpoints into a folder. Ctrl-C finishes the "
-       "frame and\n"
-       "leaves a recording that --resume goes on from, to the same files as without the "
-       "interruption.\n"
+       "Runs a scene and records its frames and checkpoints into a folder. Ctrl-C leaves a "
+       "checkpoint\n"
+       "that --resume goes on from, to the same files as without the interruption; a run that is "
+       "killed\n"
+       "goes on from its last checkpoint.\n"
        "The instruction set, threads and pass length change the speed and no bit of the result.",
        {{"--out", "-o", "DIR", "where to record; out/NAME OF THE SCENE by default"},
         {"--resume", "", "", "go on from the newest intact state in that folder"},

@@ -21,18 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using recording::ExportFormat;
 
-constexpr const char* name_of(ExportFormat format) {
-  switch (format) {
-    case ExportFormat::csv:
-      return "csv";
-    case ExportFormat::npy:
-      return "npy";
-    case ExportFormat::ply:
-      return "ply";
-  }
-  return "";
-}
-
 // The one file that is meant: named itself, or by its number; nothing for all frames of a
 // recording.
 std::optional<fs::path> single_file(const fs::path& input, const Options& options) {
@@ -92,7 +80,7 @@ ExitStatus export_frames(const Options& options) try {
     return ExitStatus::done;
   }
   const fs::path folder = fs::is_directory(input) ? input : input.parent_path();
-  const fs::path directory = options.out.value_or(folder / name_of(options.format));
+  const fs::path directory = options.out.value_or(folder / name(options.format));
   Progress progress(options.quiet);
   std::uint64_t bytes = 0;
   recording::ExportOptions settings;
@@ -113,7 +101,7 @@ ExitStatus export_frames(const Options& options) try {
     Json files = Json::array();
     for (const fs::path& path : written) files.push_back(path.string());
     print_json({{"status", "done"},
-                {"format", name_of(options.format)},
+                {"format", name(options.format)},
                 {"directory", directory.string()},
                 {"bytes_written", bytes},
                 {"files", files}});

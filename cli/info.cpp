@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
+#include <algorithm>
 
 #include "cli/json.hpp"
 #include "cli/memory.hpp"
@@ -10,6 +10,8 @@
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
+#include "scene/scene_keys.hpp"
+#include "scene/words.hpp"
 
 namespace salvo::cli {
 
@@ -17,17 +19,6 @@ namespace {
 
 using solver::Emitter;
 using solver::Setup;
-
-constexpr std::array<const char*, 6> emitter_names{"burst", "shell",          "cone",
-                                                   "jet",   "book_explosion", "energy_explosion"};
-constexpr std::array<const char*, 5> integrator_names{
-    "explicit_euler", "semi_implicit_euler", "improved_euler", "runge_kutta_4", "velocity_verlet"};
-constexpr std::array<const char*, 6> obstacle_names{"plane",   "sphere",   "box",
-                                                    "capsule", "cylinder", "height_field"};
-
-const char* precision_name(soa::Precision precision) {
-  return precision == soa::Precision::single ? "float" : "double";
-}
 
 std::vector<std::string> forces_of(const models::ForceSettings& forces) {
   std::vector<std::string> names;
@@ -62,6 +53,21 @@ std::uint64_t checkpoint_count(const scene::Scene& scene) {
   return static_cast<std::uint64_t>(count);
 }
 
+// Whether a run that is killed can go on from somewhere: a checkpoint or a frame that holds all.
+bool leaves_full_states(const scene::Scene& scene) {
+  if (scene.checkpoint.every > 0 && scene.checkpoint.every < scene.steps) return true;
+  if (scene.frames.fraction < 1) return false;
+  const std::vector<soa::ParticleField>& columns = scene.frames.columns;
+  const std::vector<bool> stored = solver::World::stored_fields(scene.setup);
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    const auto field = static_cast<soa::ParticleField>(f);
+    if (stored[f] && std::find(columns.begin(), columns.end(), field) == columns.end()) {
+      return false;
+    }
+  }
+  return true;
+}
+
 std::string line(std::string_view label, std::string_view text) {
   return fmt::format("  {:<12} {}\n", label, text);
 }
@@ -93,7 +99,7 @@ void describe_machine(const Options& options) {
 Json emitter_document(const Emitter& emitter, const Setup& setup) {
   const solver::EmissionSchedule schedule(emitter, setup.t0, setup.dt);
   return {{"name", emitter.name},
-          {"kind", emitter_names[static_cast<std::size_t>(emitter.kind)]},
+          {"kind", scene::name(emitter.kind)},
           {"stream", emitter.stream},
           {"particles", schedule.total()},
           {"time", emitter.time}};
@@ -105,10 +111,10 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
   const auto frames = static_cast<std::uint64_t>(scene.frame_count());
   const std::uint64_t checkpoints = checkpoint_count(scene);
   const std::uint64_t bytes = frames * frame_bytes(scene) + checkpoints * checkpoint_bytes(scene);
-  const char* integrator = integrator_names[static_cast<std::size_t>(setup.integrator)];
-  std::vector<std::string> obstacles;
+  const std::string_view integrator = scene::name(setup.integrator);
+  std::vector<std::string_view> obstacles;
   for (const models::Obstacle& obstacle : setup.obstacles) {
-    obstacles.emplace_back(obstacle_names[static_cast<std::size_t>(obstacle.shape)]);
+    obstacles.push_back(scene::name(obstacle.shape));
   }
   const double end = setup.t0 + static_cast<double>(scene.steps) * setup.dt;
   if (options.json) {
@@ -118,7 +124,7 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
     }
     print_json({{"scene", scene_identity(scene)},
                 {"title", scene.title},
-                {"precision", precision_name(setup.precision)},
+                {"precision", scene::name(setup.precision)},
                 {"seed", setup.seed},
                 {"integrator", integrator},
                 {"forces", forces_of(setup.forces)},
@@ -136,18 +142,21 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
                   {"columns", column_names(scene.frames)},
                   {"fraction", scene.frames.fraction},
                   {"bytes_each", frame_bytes(scene)}}},
-                {"checkpoints", {{"count", checkpoints}, {"bytes_each", checkpoint_bytes(scene)}}},
+                {"checkpoints",
+                 {{"count", checkpoints},
+                  {"bytes_each", checkpoint_bytes(scene)},
+                  {"resumable_when_killed", leaves_full_states(scene)}}},
                 {"bytes", bytes}});
     return;
   }
   print(fmt::format("{}{}{}\n", scene.path, scene.title.empty() ? "" : ": ", scene.title));
   print(line("particles", fmt::format("{}, {} precision, seed {}", grouped(particles),
-                                      precision_name(setup.precision), setup.seed)));
+                                      scene::name(setup.precision), setup.seed)));
   for (const Emitter& emitter : setup.emitters) {
     const solver::EmissionSchedule schedule(emitter, setup.t0, setup.dt);
-    print(line("", fmt::format("{} {}: {} at {:g} s (stream {})",
-                               emitter_names[static_cast<std::size_t>(emitter.kind)], emitter.name,
-                               grouped(schedule.total()), emitter.time, emitter.stream)));
+    print(line(
+        "", fmt::format("{} {}: {} at {:g} s (stream {})", scene::name(emitter.kind), emitter.name,
+                        grouped(schedule.total()), emitter.time, emitter.stream)));
   }
   const std::vector<std::string> forces = forces_of(setup.forces);
   print(line("forces", forces.empty() ? "none" : fmt::format("{}", fmt::join(forces, ", "))));
@@ -166,9 +175,39 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
                       : "")));
   print(line("checkpoints", fmt::format("{}, {} each", grouped(checkpoints),
                                         bytes_text(checkpoint_bytes(scene)))));
-  print(line("recording", fmt::format("{} at most", bytes_text(bytes))));
+  if (!leaves_full_states(scene)) {
+    print(line("", "none on the way (checkpoint.every): when killed, it starts again at step 0"));
+  }
+  print(line("recording", fmt::format("about {} when all particles are alive", bytes_text(bytes))));
   print(line("memory", bytes_text(run_bytes(scene, true))));
   print(line("digest", to_string(scene::scene_digest(scene))));
+}
+
+// An object a key, and after it those of the section that it is.
+void add_keys(const scene::SectionText& section, Json& keys) {
+  for (const scene::KeyText* key : section.keys()) {
+    Json object = {{"section", section.path()}, {"key", key->name}};
+    if (key->section) {
+      object["type"] = key->section->label();
+      object["meaning"] = key->section->meaning();
+    } else {
+      object["type"] = key->type;
+      object["unit"] = key->unit;
+      std::string fallback = key->fallback;
+      std::erase(fallback, '`');  // of Markdown
+      object["default"] = fallback;
+      object["bounds"] = key->bounds.text("");
+      object["meaning"] = key->meaning;
+    }
+    object["required"] = key->required != 0;
+    if (!key->words.empty()) {
+      Json words = Json::array();
+      for (const scene::Word& word : key->words) words.push_back(word.word);
+      object["words"] = words;
+    }
+    keys.push_back(std::move(object));
+    if (key->section) add_keys(*key->section, keys);
+  }
 }
 
 }  // namespace
@@ -176,7 +215,9 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
 ExitStatus info(const Options& options) {
   if (options.keys) {
     if (options.json) {
-      print_json({{"keys", scene::key_reference()}});
+      Json keys = Json::array();
+      add_keys(scene::scene_section(), keys);
+      print_json({{"keys", keys}});
     } else {
       print(scene::key_reference());
     }

@@ -17,8 +17,7 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler touches i
 void on_signal(int) {
   if (signals.fetch_add(1) == 0) {
     // Without fmt or stdio: neither may be used in a signal handler.
-    static constexpr char text[] =
-        "\nsalvo: stopping after this frame; once more to stop at once\n";
+    static constexpr char text[] = "\nsalvo: stopping; once more to stop at once\n";
     [[maybe_unused]] const auto written = write(STDERR_FILENO, text, sizeof text - 1);
   } else {
     _exit(static_cast<int>(ExitStatus::interrupted));

@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM: the first asks the run to stop after the frame it is at, the second ends the
+// Ctrl-C and SIGTERM: the first asks the run to stop and leave a checkpoint, the second ends the
 // process at once.
 #pragma once
 

@@ -1,6 +1,7 @@
 #include "cli/json.hpp"
 
 #include "cli/terminal.hpp"
+#include "solver/diagnostic_fields.hpp"
 
 namespace salvo::cli {
 
@@ -18,16 +19,18 @@ Json json_of(const solver::StateHash& hash) {
   return {{"total", solver::to_string(hash.total)}, {"fields", fields}};
 }
 
-Json json_of(const solver::Diagnostics& d) {
-  return {{"particles", d.count},
-          {"mass", d.mass},
-          {"momentum", d.momentum},
-          {"center_of_mass", d.center_of_mass},
-          {"kinetic_energy", d.kinetic_energy},
-          {"potential_energy", d.potential_energy},
-          {"lowest", d.lowest},
-          {"highest", d.highest},
-          {"max_speed", d.max_speed}};
+Json json_of(const solver::Diagnostics& diagnostics) {
+  Json object = Json::object();
+  for_each_field(diagnostics, [&](std::string_view name, std::string_view, const auto& member) {
+    object[name == "count" ? std::string("particles") : std::string(name)] = member;
+  });
+  return object;
+}
+
+Json json_of(const solver::Removals& removals) {
+  Json object = {{"count", removals.count}, {"first", nullptr}};
+  if (removals.first) object["first"] = json_of(*removals.first);
+  return object;
 }
 
 Json json_of(const solver::Execution& execution) {

@@ -17,6 +17,7 @@ Json json_of(const solver::StateHash& hash);
 Json json_of(const solver::Diagnostics& diagnostics);
 Json json_of(const solver::Execution& execution);
 Json json_of(const solver::BadRow& row);
+Json json_of(const solver::Removals& removals);
 /// Path, digest, contract and version.
 Json scene_identity(const scene::Scene& scene);
 /// Keys "id", "stream" and "serial".

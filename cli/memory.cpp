@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "cli/exit_status.hpp"
 #include "cli/text.hpp"
@@ -18,18 +21,88 @@ std::uint64_t column_bytes(const scene::Scene& scene, soa::ParticleField which) 
   return field.components * size_of(field.scalar, scene.setup.precision);
 }
 
+// The number behind a word of a file of such lines.
+std::optional<std::uint64_t> entry_of(const std::filesystem::path& path, std::string_view word) {
+  std::ifstream lines(path);
+  for (std::string key, rest; lines >> key; std::getline(lines, rest)) {
+    std::uint64_t number = 0;
+    if (key == word && lines >> number) return number;
+  }
+  return std::nullopt;
+}
+
+constexpr const char* groups = "/sys/fs/cgroup";
+
+// The folder of this process's group in the unified hierarchy.
+std::filesystem::path memory_group() {
+  std::ifstream lines("/proc/self/cgroup");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("0::/")) return std::filesystem::path(groups) / line.substr(4);
+  }
+  return {};
+}
+
+std::filesystem::path above(const std::filesystem::path& group) {
+  return group == groups ? std::filesystem::path() : group.parent_path();
+}
+
+std::optional<std::uint64_t> number_in(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::uint64_t number = 0;
+  return file >> number ? std::optional(number) : std::nullopt;  // "max" is none
+}
+
+// Bytes that a group may still take. Its idle file pages go when something else needs the room.
+std::optional<std::uint64_t> left_in(const std::filesystem::path& group) {
+  const auto limit = number_in(group / "memory.max");
+  const auto current = number_in(group / "memory.current");
+  if (!limit || !current) return std::nullopt;
+  const std::uint64_t idle = entry_of(group / "memory.stat", "inactive_file").value_or(0);
+  const std::uint64_t used = *current - std::min(idle, *current);
+  return *limit - std::min(used, *limit);
+}
+
+// Bytes that stepping takes for a while besides the state: a permutation and a column where rows
+// are put in order after an emission, and the shares of an energy explosion.
+std::uint64_t scratch_bytes(const solver::Setup& setup) {
+  constexpr std::uint64_t sorting = 16;  // a row
+  constexpr std::uint64_t sharing = 24;  // a particle
+  std::uint64_t bytes = 0;
+  const bool one_burst =
+      setup.emitters.size() == 1 && setup.emitters[0].kind != solver::EmitterKind::jet;
+  if (!one_burst) bytes = sorting * solver::World::total_emitted(setup);
+  for (const solver::Emitter& emitter : setup.emitters) {
+    if (emitter.kind == solver::EmitterKind::energy_explosion) {
+      bytes = std::max(bytes, sharing * emitter.count);
+    }
+  }
+  return bytes;
+}
+
+// Measured: what a file holds besides its columns. HDF5's structure, our attributes and the seal,
+// the scene, and the numbers of the rows for ParaView, deflated.
+std::uint64_t overhead(const scene::Scene& scene, std::uint64_t rows) {
+  std::uint64_t bytes = 10'000 + scene.text.size() + rows / 28;
+  for (const std::string& change : scene.overrides) bytes += change.size();
+  return bytes;
+}
+
+std::uint64_t kept_rows(const scene::Scene& scene) {
+  return static_cast<std::uint64_t>(scene.frames.fraction *
+                                    static_cast<double>(solver::World::total_emitted(scene.setup)));
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> available_memory() {
-  std::ifstream lines("/proc/meminfo");
-  std::string key;
-  std::uint64_t kilobytes = 0;
-  std::string unit;
-  while (lines >> key >> kilobytes) {
-    if (key == "MemAvailable:") return kilobytes * 1024;
-    std::getline(lines, unit);
+  std::optional<std::uint64_t> available = entry_of("/proc/meminfo", "MemAvailable:");
+  if (available) *available *= 1024;
+  // A container may have less than its machine, and so may each group that it is in.
+  for (std::filesystem::path group = memory_group(); !group.empty(); group = above(group)) {
+    const std::optional<std::uint64_t> left = left_in(group);
+    if (left) available = std::min(*left, available.value_or(*left));
   }
-  return std::nullopt;
+  return available;
 }
 
 std::uint64_t frame_bytes(const scene::Scene& scene) {
@@ -38,17 +111,16 @@ std::uint64_t frame_bytes(const scene::Scene& scene) {
   for (const soa::ParticleField column : scene.frames.columns) {
     if (stored[static_cast<std::size_t>(column)]) row += column_bytes(scene, column);
   }
-  const double kept =
-      scene.frames.fraction * static_cast<double>(solver::World::total_emitted(scene.setup));
-  return static_cast<std::uint64_t>(kept) * row;
+  return kept_rows(scene) * row + overhead(scene, kept_rows(scene));
 }
 
 std::uint64_t checkpoint_bytes(const scene::Scene& scene) {
-  return solver::World::state_bytes(scene.setup);
+  return solver::World::state_bytes(scene.setup) +
+         overhead(scene, solver::World::total_emitted(scene.setup));
 }
 
 std::uint64_t run_bytes(const scene::Scene& scene, bool recorded) {
-  const std::uint64_t state = solver::World::state_bytes(scene.setup);
+  const std::uint64_t state = solver::World::state_bytes(scene.setup) + scratch_bytes(scene.setup);
   if (!recorded) return state;
   // Measured peaks: two frames wait while a third is written; one checkpoint, while another is.
   return state + 3 * frame_bytes(scene) + 2 * checkpoint_bytes(scene);

@@ -8,13 +8,14 @@
 
 namespace salvo::cli {
 
-/// Bytes that programs can take without swapping; nothing where the system does not say.
+/// Bytes that this program can take without swapping, within the limits of its container; nothing
+/// where the system does not say.
 std::optional<std::uint64_t> available_memory();
 
 /// Bytes a run takes: its state and, when recorded, the frames and checkpoints on their way to the
 /// disk.
 std::uint64_t run_bytes(const scene::Scene& scene, bool recorded);
-/// Bytes of the columns of one frame, and of one checkpoint, when all particles are alive.
+/// About the bytes of the file of one frame, and of one checkpoint, when all particles are alive.
 std::uint64_t frame_bytes(const scene::Scene& scene);
 std::uint64_t checkpoint_bytes(const scene::Scene& scene);
 

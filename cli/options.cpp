@@ -242,14 +242,12 @@ solver::Isa isa_of(const std::string& word) {
 }
 
 recording::ExportFormat format_of(const std::string& word) {
-  using recording::ExportFormat;
-  constexpr std::array<std::pair<std::string_view, ExportFormat>, 3> formats{
-      {{"csv", ExportFormat::csv}, {"npy", ExportFormat::npy}, {"ply", ExportFormat::ply}}};
-  for (const auto& [name, format] : formats) {
-    if (word == name) return format;
+  const auto& formats = recording::export_formats;
+  const auto found = std::find(formats.begin(), formats.end(), word);
+  if (found != formats.end()) {
+    return static_cast<recording::ExportFormat>(found - formats.begin());
   }
-  const std::array<std::string_view, 3> names{"csv", "npy", "ply"};
-  const std::string meant = scene::did_you_mean(word, names);
+  const std::string meant = scene::did_you_mean(word, formats);
   throw UsageError(fmt::format("unknown format {}", in_quotes(word)),
                    meant.empty() ? "the formats are csv, npy and ply" : meant);
 }
@@ -264,6 +262,18 @@ void refuse_lists(const Options& options) {
   check("--isa", options.isas.size());
   check("--threads", options.threads.size());
   check("--pass", options.passes.size());
+}
+
+// Without a scene there is nothing to change, and the keys are those of every scene.
+void check_info(const Options& options) {
+  if (options.verb != Verb::info) return;
+  if (options.keys && !options.inputs.empty()) {
+    throw UsageError("--keys lists the keys of every scene", "leave out the scene, or --keys");
+  }
+  if (options.inputs.empty() && !options.overrides.empty()) {
+    throw UsageError("--set changes a scene, and none is given",
+                     "name it: salvo info SCENE --set ...");
+  }
 }
 
 void check_operands(const Found& found) {
@@ -310,7 +320,7 @@ Options parse(int argc, const char* const* argv) {
     for (const std::string& change : given->second) {
       if (change.find('=') == std::string::npos || change.front() == '=') {
         throw UsageError(fmt::format("--set {}: expected KEY=VALUE", change),
-                         "for example: --set dt=1e-3");
+                         "for example: --set time.dt=1e-3");
       }
     }
     options.overrides = given->second;
@@ -345,6 +355,7 @@ Options parse(int argc, const char* const* argv) {
   options.quiet = found.has("--quiet");
   options.full = found.has("--full");
   options.keys = found.has("--keys");
+  check_info(options);
   return options;
 }
 

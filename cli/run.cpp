@@ -33,6 +33,7 @@ struct Outcome {
   ExitStatus exit = ExitStatus::done;
   std::string problem;
   std::optional<solver::BadRow> bad_row;
+  bool no_room = false;  // on the disk
 };
 
 class RecordedRun {
@@ -51,20 +52,22 @@ class RecordedRun {
       outcome = step_and_record();
       recorder_->finish(outcome.status, outcome.problem);
     } catch (const solver::NumericalError& error) {
-      outcome = {RunStatus::failed, ExitStatus::numerical, error.what(), error.row()};
+      outcome = {RunStatus::failed, ExitStatus::numerical, error.what(), error.row(), false};
       finish_after(outcome);
     } catch (const recording::OutputError& error) {
-      outcome = {RunStatus::failed, ExitStatus::input_output, error.what(), std::nullopt};
+      outcome = {RunStatus::failed, ExitStatus::input_output, error.what(), std::nullopt,
+                 error.no_room()};
       finish_after(outcome);
     } catch (const std::bad_alloc&) {
-      outcome = {RunStatus::failed, ExitStatus::run_failed, "out of memory", std::nullopt};
+      outcome = {RunStatus::failed, ExitStatus::run_failed, "out of memory", std::nullopt, false};
       finish_after(outcome);
     } catch (const std::exception& error) {
-      outcome = {RunStatus::failed, ExitStatus::run_failed, error.what(), std::nullopt};
+      outcome = {RunStatus::failed, ExitStatus::run_failed, error.what(), std::nullopt, false};
       finish_after(outcome);
     }
     seconds_ = progress_.seconds();
     progress_.clear();
+    say_removed();
     if (options_.json) {
       print_json(document(outcome));
     } else {
@@ -89,9 +92,10 @@ class RecordedRun {
     settings.execution = execution_;
     settings.resume = options_.resume;
     settings.overwrite = options_.force;
-    recorder_ = std::make_unique<recording::Recorder>(directory_, scene_, std::move(settings));
+    // The world first: where it does not fit in memory, what is in the folder stays.
     world_ = std::make_unique<solver::World>(scene_.setup, execution_);
     if (state) std::move(*state).restore(*world_);
+    recorder_ = std::make_unique<recording::Recorder>(directory_, scene_, std::move(settings));
     if (resumed_from_) {
       note(fmt::format("going on from step {} of {} in {}", *resumed_from_, scene_.steps,
                        directory_.string()));
@@ -123,10 +127,10 @@ class RecordedRun {
       if (interrupted() && world_->step() < scene_.steps) {
         recorder_->checkpoint(*world_);
         return {RunStatus::interrupted, ExitStatus::interrupted,
-                fmt::format("interrupted at step {}", world_->step()), std::nullopt};
+                fmt::format("interrupted at step {}", world_->step()), std::nullopt, false};
       }
     }
-    return {RunStatus::done, ExitStatus::done, {}, std::nullopt};
+    return {RunStatus::done, ExitStatus::done, {}, std::nullopt, false};
   }
 
   void record_due() {
@@ -183,6 +187,16 @@ class RecordedRun {
                       bytes_text(counters.bytes_written), directory_.string()));
   }
 
+  // Particles that leave are what the scene expects; those that become non-finite are not.
+  void say_removed() const {
+    const auto text = [](const solver::Removals& removals) {
+      return fmt::format("{} removed; the first: {}", counted(removals.count, "particle"),
+                         solver::NumericalError(*removals.first).what());
+    };
+    if (world_->left_domain().first) note(text(world_->left_domain()));
+    if (world_->non_finite().first) say_warning(text(world_->non_finite()));
+  }
+
   std::string resume_command() const {
     return command_for(scene_, "run") + " --out " + shell_quoted(directory_.string()) + " --resume";
   }
@@ -206,7 +220,7 @@ class RecordedRun {
                       ? fmt::format("no frame is recorded in {}", directory_.string())
                       : fmt::format("recorded so far and readable: {} in {}",
                                     counted(counters.frames, "frame"), directory_.string()));
-        if (outcome.exit == ExitStatus::input_output) {
+        if (outcome.no_room) {
           say("  to go on when there is room: " + resume_command());
         }
         break;
@@ -232,6 +246,8 @@ class RecordedRun {
                        {"kept", counters.kept},
                        {"checkpoints", counters.checkpoints},
                        {"bytes_written", counters.bytes_written}}}};
+    document["removed"] = {{"left_domain", json_of(world_->left_domain())},
+                           {"non_finite", json_of(world_->non_finite())}};
     document["state_hash"] = last() ? Json(to_string(last()->hash.total)) : Json(nullptr);
     if (outcome.status == RunStatus::interrupted) document["resume"] = resume_command();
     if (outcome.status == RunStatus::failed) {
@@ -280,9 +296,7 @@ ExitStatus run(const Options& options) {
     return RecordedRun(options, scene, directory).run();
   } catch (const recording::ForeignRecording& error) {
     throw Failure(ExitStatus::input_output, error.what(),
-                  options.resume ? "without --resume the run starts at step 0; --force replaces "
-                                   "another scene's recording"
-                                 : "--out records elsewhere; --force replaces what is there");
+                  "--out records elsewhere; --force replaces what is there");
   }
 }
 

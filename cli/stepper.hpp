@@ -1,5 +1,5 @@
 // Takes a world to a step in pieces of a fraction of a second, so that the progress is seen to
-// move. Pieces are whole passes: they change neither bits nor speed.
+// move and Ctrl-C is heeded. Pieces are whole passes: they change neither bits nor speed.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "cli/interruption.hpp"
 #include "solver/world.hpp"
 
 namespace salvo::cli {
@@ -17,9 +18,10 @@ class Stepper {
   Stepper(solver::World& world, std::function<void()> after_piece)
       : world_(world), after_piece_(std::move(after_piece)), piece_(world.execution().pass_steps) {}
 
+  /// Stops before it when the user interrupts.
   void advance_to(std::int64_t step) {
     using Clock = std::chrono::steady_clock;
-    while (world_.step() < step) {
+    while (world_.step() < step && !interrupted()) {
       const auto start = Clock::now();
       world_.advance_to(std::min(step, world_.step() + piece_));
       const auto taken = Clock::now() - start;

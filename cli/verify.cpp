@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <new>
+
 #include "cli/json.hpp"
 #include "cli/memory.hpp"
 #include "cli/progress.hpp"
@@ -47,8 +50,8 @@ scene::VerifyOptions settings_of(const Options& options) {
   return settings;
 }
 
-// Prints a scene's table; adds its document.
-ExitStatus verify_one(const std::string& path, const Options& options, Json& documents) {
+// Prints a scene's table; fills in its document.
+ExitStatus verify_scene(const std::string& path, const Options& options, Json& document) {
   const scene::Scene scene = load_scene(path, options);
   const scene::Scene verified = options.full ? scene : scene::scaled_for_verify(scene);
   // The world, the copy of its last equal frame, and what a restore passes through.
@@ -68,12 +71,12 @@ ExitStatus verify_one(const std::string& path, const Options& options, Json& doc
 
   Json runs = Json::array();
   for (const VerifyRun& run : result.runs) runs.push_back(json_of_run(run));
-  documents.push_back({{"scene", scene_identity(scene)},
-                       {"equal", result.equal()},
-                       {"particles", solver::World::total_emitted(verified.setup)},
-                       {"steps", result.steps},
-                       {"seconds", progress.seconds()},
-                       {"runs", runs}});
+  document["scene"] = scene_identity(scene);
+  document["equal"] = result.equal();
+  document["particles"] = solver::World::total_emitted(verified.setup);
+  document["steps"] = result.steps;
+  document["seconds"] = progress.seconds();
+  document["runs"] = runs;
   if (!options.json) {
     print(verify_report(scene, verified, result) +
           (result.equal()
@@ -90,18 +93,42 @@ ExitStatus verify_one(const std::string& path, const Options& options, Json& doc
   return status;
 }
 
+// A scene that cannot be verified does not keep the others from it.
+ExitStatus verify_one(const std::string& path, const Options& options, Json& document) {
+  try {
+    return verify_scene(path, options, document);
+  } catch (const scene::SceneError& error) {
+    for (const std::string& mistake : error.mistakes()) say(mistake);
+    document["mistakes"] = error.mistakes();
+    return ExitStatus::scene_invalid;
+  } catch (const Failure& error) {
+    say_error(error.what(), error.hint());
+    document["mistakes"] = {error.what()};
+    return error.status();
+  } catch (const std::bad_alloc&) {
+    say_error(fmt::format("{}: out of memory", path));
+    document["mistakes"] = {"out of memory"};
+    return ExitStatus::run_failed;
+  }
+}
+
 }  // namespace
 
 ExitStatus verify(const Options& options) {
   ExitStatus worst = ExitStatus::done;
   Json documents = Json::array();
   for (const std::string& path : options.inputs) {
-    worst = std::max(worst, verify_one(path, options, documents));
+    Json document = {{"path", path}};
+    worst = std::max(worst, verify_one(path, options, document));
+    documents.push_back(std::move(document));
   }
   if (options.json) {
+    const bool equal = std::all_of(documents.begin(), documents.end(), [](const Json& document) {
+      return document.value("equal", false);
+    });
     print_json({{"status", worst == ExitStatus::done ? "done" : "failed"},
                 {"exit_status", static_cast<int>(worst)},
-                {"equal", worst != ExitStatus::difference},
+                {"equal", equal},
                 {"scenes", documents}});
   }
   return worst;

@@ -13,7 +13,7 @@ salvo_add_check(exact_set)
 salvo_add_check(symbols ${PROJECT_BINARY_DIR})
 salvo_add_check(tidy ${PROJECT_BINARY_DIR})
 salvo_add_check(install ${PROJECT_BINARY_DIR})
-set_tests_properties(check.tidy check.install PROPERTIES PROCESSORS 2 TIMEOUT 600)
+set_tests_properties(check.tidy check.install PROPERTIES PROCESSORS 2 TIMEOUT 600 LABELS slow)
 
 foreach(leg IN ITEMS clang-O3 clang-O0 gcc-O0 gcc-Og aarch64)
   add_test(NAME leg.${leg} COMMAND scripts/legs.sh ${leg} CONFIGURATIONS legs WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})

@@ -1,8 +1,11 @@
+// clang-format off
 // The names of the files of a recording.
 //
-//   frame_000012.hdf          the 12th frame          checkpoint_000000123.hdf  the full state at
-//   step 123 frames.hdf.series         the frames' times       run.json                  how the
-//   run was made
+//   frame_000012.hdf          the 12th frame
+//   checkpoint_000000123.hdf  the full state at step 123
+//   frames.hdf.series         the frames' times, for ParaView
+//   run.json                  how the run was made
+// clang-format on
 #pragma once
 
 #include <cstdint>

@@ -2,7 +2,9 @@
 // matter.
 #pragma once
 
+#include <cerrno>
 #include <stdexcept>
+#include <string>
 
 namespace salvo::recording {
 
@@ -12,7 +14,15 @@ class RecordingError : public std::runtime_error {
 
 /// A file or directory cannot be written: disk full, no permission, a name that is taken.
 class OutputError : public RecordingError {
-  using RecordingError::RecordingError;
+ public:
+  /// `error` is the system's errno where it gave one.
+  explicit OutputError(const std::string& message, int error = 0)
+      : RecordingError(message), error_(error) {}
+  /// The disk, a quota or the largest size of a file is full.
+  bool no_room() const { return error_ == ENOSPC || error_ == EDQUOT || error_ == EFBIG; }
+
+ private:
+  int error_;
 };
 
 /// A file that is missing, truncated, altered, or not a recording of salvo's.

@@ -2,6 +2,8 @@
 // PLY (binary, little-endian).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,6 +17,12 @@
 namespace salvo::recording {
 
 enum class ExportFormat { csv, npy, ply };
+
+/// In the order of the enumeration; files end in them.
+inline constexpr std::array<std::string_view, 3> export_formats{"csv", "npy", "ply"};
+constexpr std::string_view name(ExportFormat format) {
+  return export_formats[static_cast<std::size_t>(format)];
+}
 
 struct ExportProgress {
   std::uint64_t frames_done = 0;

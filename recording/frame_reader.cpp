@@ -6,10 +6,14 @@
 #include <array>
 #include <span>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
 
 #include "recording/hdf5.hpp"
 #include "recording/sealed_file.hpp"
+#include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
+#include "solver/diagnostic_fields.hpp"
 
 namespace salvo::recording {
 
@@ -42,8 +46,10 @@ FrameInfo info_of(hid_t file) {
   info.step = read_attribute<std::int64_t>(salvo, "step");
   info.time = read_attribute<double>(salvo, "time");
   info.seed = read_attribute<std::uint64_t>(salvo, "seed");
-  info.precision = hdf5::read_text_attribute(salvo, "precision") == "float" ? soa::Precision::single
-                                                                            : soa::Precision::twice;
+  const auto precision =
+      scene::named<soa::Precision>(hdf5::read_text_attribute(salvo, "precision"));
+  if (!precision) throw hdf5::Error("its precision is unknown");
+  info.precision = *precision;
   info.fraction = read_attribute<double>(salvo, "fraction");
   info.complete = read_attribute<std::uint8_t>(salvo, "complete") != 0;
   info.scene_text = hdf5::read_text_attribute(salvo, "scene");
@@ -66,17 +72,16 @@ FrameInfo info_of(hid_t file) {
     info.uniform.push_back({field, read_attribute<double>(uniform, field)});
   }
 
-  solver::Diagnostics& d = info.diagnostics;
   const Handle diagnostics = hdf5::open_group(salvo, "diagnostics");
-  d.count = read_attribute<std::uint64_t>(diagnostics, "count");
-  d.mass = read_attribute<double>(diagnostics, "mass");
-  d.momentum = hdf5::read_array_attribute<double, 3>(diagnostics, "momentum");
-  d.center_of_mass = hdf5::read_array_attribute<double, 3>(diagnostics, "center_of_mass");
-  d.kinetic_energy = read_attribute<double>(diagnostics, "kinetic_energy");
-  d.potential_energy = read_attribute<double>(diagnostics, "potential_energy");
-  d.lowest = hdf5::read_array_attribute<double, 3>(diagnostics, "lowest");
-  d.highest = hdf5::read_array_attribute<double, 3>(diagnostics, "highest");
-  d.max_speed = read_attribute<double>(diagnostics, "max_speed");
+  for_each_field(info.diagnostics, [&](std::string_view field, std::string_view, auto& member) {
+    const std::string name(field);
+    using Member = std::remove_reference_t<decltype(member)>;
+    if constexpr (std::is_arithmetic_v<Member>) {
+      member = read_attribute<Member>(diagnostics, name);
+    } else {
+      member = hdf5::read_array_attribute<double, 3>(diagnostics, name);
+    }
+  });
   return info;
 }
 

@@ -11,7 +11,9 @@
 #include <string>
 #include <utility>
 
+#include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
+#include "solver/diagnostic_fields.hpp"
 
 namespace salvo::recording {
 
@@ -67,6 +69,7 @@ void fill(const FieldRows& columns, std::size_t rows, Precision precision, std::
 }
 
 // One NaN, whatever the processor's arithmetic makes.
+std::uint64_t canonical(std::uint64_t value) { return value; }
 double canonical(double value) {
   return std::isnan(value) ? std::numeric_limits<double>::quiet_NaN() : value;
 }
@@ -130,9 +133,7 @@ void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& ro
   write_attribute(salvo, "step", state.step);
   write_attribute(salvo, "time", state.time);
   write_attribute(salvo, "seed", scene_.setup.seed);
-  write_attribute(
-      salvo, "precision",
-      std::string_view(scene_.setup.precision == Precision::single ? "float" : "double"));
+  write_attribute(salvo, "precision", scene::name(scene_.setup.precision));
   write_attribute(salvo, "fraction", fraction);
   write_attribute(salvo, "complete", static_cast<std::uint8_t>(rows.complete));
   write_attribute(salvo, "scene", std::string_view(scene_.text));
@@ -154,17 +155,11 @@ void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& ro
     if (!rows.stored[f]) write_attribute(uniform, std::string(fields[f].name), rows.uniform[f]);
   }
 
-  const solver::Diagnostics& d = state.diagnostics;
   const Handle diagnostics = hdf5::create_group(salvo, "diagnostics");
-  write_attribute(diagnostics, "count", d.count);
-  write_attribute(diagnostics, "mass", canonical(d.mass));
-  write_attribute(diagnostics, "momentum", canonical(d.momentum));
-  write_attribute(diagnostics, "center_of_mass", canonical(d.center_of_mass));
-  write_attribute(diagnostics, "kinetic_energy", canonical(d.kinetic_energy));
-  write_attribute(diagnostics, "potential_energy", canonical(d.potential_energy));
-  write_attribute(diagnostics, "lowest", canonical(d.lowest));
-  write_attribute(diagnostics, "highest", canonical(d.highest));
-  write_attribute(diagnostics, "max_speed", canonical(d.max_speed));
+  for_each_field(state.diagnostics,
+                 [&](std::string_view field, std::string_view, const auto& member) {
+                   write_attribute(diagnostics, std::string(field), canonical(member));
+                 });
 }
 
 // ParaView 5.11 reads version 1.0 of this layout and nothing newer.

@@ -1,16 +1,17 @@
+// clang-format off
 // Composes the HDF5 file of a frame or checkpoint.
 //
 //   /particles/<field>   [N] or [N,3], contiguous; attributes units, meaning
-//   /salvo               attributes: step, time, seed, precision, scene, overrides, scene_digest,
-//   version, .. /salvo/diagnostics   attributes: count, mass, momentum, energies, bounds, ..
+//   /salvo               attributes: step, time, seed, precision, scene, overrides, scene_digest, version, ..
+//   /salvo/diagnostics   attributes: count, mass, momentum, energies, bounds, ..
 //   /salvo/digests       attributes: the state hash's digest of each stored field
 //   /salvo/uniform       attributes: the value of each field that all particles share
-//   /VTKHDF              what ParaView reads: an unstructured grid of one poly-vertex cell whose
-//   points and point data are
-//                        soft links to /particles; only in a file that has positions
+//   /VTKHDF              what ParaView reads: an unstructured grid of one poly-vertex cell whose points and
+//                        point data are soft links to /particles; only in a file that has positions
 //
-// A shared field that the scene wants recorded is a dataset like any other, but a constant one,
-// which takes no space.
+// A shared field that the scene wants recorded is a dataset like any other, but a constant one, which takes
+// no space.
+// clang-format on
 #pragma once
 
 #include <cstddef>

@@ -70,7 +70,7 @@ void OutputFile::commit(Durability durability) {
 }
 
 void OutputFile::fail(int error) const {
-  throw OutputError(fmt::format("cannot write {}: {}", target_.string(), describe(error)));
+  throw OutputError(fmt::format("cannot write {}: {}", target_.string(), describe(error)), error);
 }
 
 void write_file(const std::filesystem::path& target, std::string_view text, Durability durability) {
@@ -87,7 +87,8 @@ void ensure_directory(const std::filesystem::path& directory) {
   }
   if (error) {
     throw OutputError(
-        fmt::format("cannot create directory {}: {}", directory.string(), error.message()));
+        fmt::format("cannot create directory {}: {}", directory.string(), error.message()),
+        error.value());
   }
 }
 
@@ -95,7 +96,8 @@ void remove_file(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove(path, error);
   if (error) {
-    throw OutputError(fmt::format("cannot remove {}: {}", path.string(), error.message()));
+    throw OutputError(fmt::format("cannot remove {}: {}", path.string(), error.message()),
+                      error.value());
   }
 }
 

@@ -12,6 +12,7 @@
 #include <condition_variable>
 #include <ctime>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -31,6 +32,9 @@ namespace salvo::recording {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// The index of the frames is written whole each time: not for every one of many small frames.
+constexpr std::chrono::seconds series_interval{1};
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -97,6 +101,7 @@ class Recorder::Impl {
  private:
   Pending& wait_for_slot();
   void hand_over();
+  void join();
   void rethrow_error();  // with the mutex held
   void write_report(RunStatus status, const std::string& reason) const;
   void remove_unasked_checkpoints() const;
@@ -107,6 +112,11 @@ class Recorder::Impl {
   void write(Finished& finished);
   bool is_on_file(const std::filesystem::path& path, const StateInfo& state) const;
   void list_frame(std::int64_t frame);
+  void list_frames_before(std::int64_t frame);
+  void complete_series();
+  void write_series();
+  template <class Task>
+  void attempt(std::unique_lock<std::mutex>& lock, Task task);
 
   const scene::Scene scene_;
   const RecorderOptions options_;
@@ -118,12 +128,17 @@ class Recorder::Impl {
   const Clock::time_point start_ = Clock::now();
   std::optional<StateInfo> last_;
   std::uint64_t particle_steps_ = 0;
+  solver::Removals left_domain_;
+  solver::Removals non_finite_;
   double seconds_waited_ = 0;
   FrameWriter checkpoint_writer_;
 
   // The thread's.
   FrameWriter frame_writer_;
   std::string series_;
+  bool series_begun_ = false;
+  bool series_behind_ = false;  // of what is on file
+  std::optional<Clock::time_point> series_written_;
   std::atomic<std::uint64_t> frames_ = 0;
   std::atomic<std::uint64_t> kept_ = 0;
   std::atomic<std::uint64_t> checkpoints_ = 0;
@@ -137,9 +152,11 @@ class Recorder::Impl {
   std::size_t oldest_ = 0;
   std::size_t pending_ = 0;
   bool writing_ = false;
+  bool flush_ = false;
   bool stop_ = false;
   std::exception_ptr error_;
   bool error_told_ = false;
+  bool reported_ = false;  // run.json says how it ended
 
   std::thread thread_;  // the last member: it uses the others
 };
@@ -165,7 +182,9 @@ Recorder::Impl::Impl(std::filesystem::path directory, const scene::Scene& scene,
   thread_ = std::thread([this] { work(); });
 }
 
-Recorder::Impl::~Impl() {
+Recorder::Impl::~Impl() { join(); }
+
+void Recorder::Impl::join() {
   if (!thread_.joinable()) return;
   {
     const std::unique_lock lock(mutex_);
@@ -179,6 +198,8 @@ void Recorder::Impl::observe(const solver::World& world) {
   last_ = StateInfo{world.step(),     world.time(),  world.hash(),
                     world.diagnose(), world.tally(), world.removed()};
   particle_steps_ = world.particle_steps();
+  left_domain_ = world.left_domain();
+  non_finite_ = world.non_finite();
 }
 
 Pending& Recorder::Impl::wait_for_slot() {
@@ -223,28 +244,28 @@ void Recorder::Impl::rethrow_error() {
 
 void Recorder::Impl::flush() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return pending_ == 0 && !writing_; });
+  flush_ = true;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return pending_ == 0 && !writing_ && !flush_; });
   rethrow_error();
 }
 
 void Recorder::Impl::finish(RunStatus status, const std::string& reason) {
-  {
-    const std::unique_lock lock(mutex_);
-    stop_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
+  if (reported_) return;
+  join();
   if (error_) {
     const bool said = status == RunStatus::failed && !reason.empty();
     try {
       write_report(RunStatus::failed, said ? reason : what(error_));
+      reported_ = true;
     } catch (const OutputError&) {  // the first error is the one to tell
     }
-    if (!error_told_) std::rethrow_exception(error_);
+    if (!error_told_) rethrow_error();
     return;
   }
   if (status == RunStatus::done) remove_unasked_checkpoints();
   write_report(status, reason);
+  reported_ = true;
 }
 
 // Those that an interrupted run left to go on from.
@@ -267,6 +288,8 @@ void Recorder::Impl::write_report(RunStatus status, const std::string& reason) c
   report.frames = frames_;
   report.particle_steps = particle_steps_;
   report.last = last_;
+  report.left_domain = left_domain_;
+  report.non_finite = non_finite_;
   write_run_report(directory_, scene_, report);
 }
 
@@ -280,40 +303,44 @@ std::uint64_t Recorder::Impl::buffer_bytes() const {
   return bytes;
 }
 
+// Does a part of the thread's work without the mutex; the first error stays.
+template <class Task>
+void Recorder::Impl::attempt(std::unique_lock<std::mutex>& lock, Task task) {
+  lock.unlock();
+  std::exception_ptr error;
+  try {
+    task();
+  } catch (...) {
+    error = std::current_exception();
+  }
+  lock.lock();
+  if (!error_) error_ = error;
+}
+
 void Recorder::Impl::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return pending_ != 0 || stop_; });
-    if (pending_ == 0) return;
+    changed_.wait(lock, [this] { return pending_ != 0 || flush_ || stop_; });
+    if (pending_ == 0) {
+      attempt(lock, [&] { complete_series(); });
+      flush_ = false;
+      changed_.notify_all();
+      if (stop_) return;
+      continue;
+    }
     writing_ = true;
     Pending& pending = slots_[oldest_];
     std::optional<Finished> finished;
-    if (!error_) {
-      lock.unlock();
-      std::exception_ptr error;
-      try {
-        finished = compose(pending);
-      } catch (...) {
-        error = std::current_exception();
-      }
-      lock.lock();
-      error_ = error;
-    }
+    if (!error_) attempt(lock, [&] { finished = compose(pending); });
     // The slot is free again while the file is being written.
     oldest_ = (oldest_ + 1) % slots_.size();
     --pending_;
     changed_.notify_all();
     if (finished) {
-      lock.unlock();
-      std::exception_ptr error;
-      try {
+      attempt(lock, [&] {
         write(*finished);
-      } catch (...) {
-        error = std::current_exception();
-      }
-      finished.reset();
-      lock.lock();
-      error_ = error;
+        finished.reset();
+      });
     }
     writing_ = false;
     changed_.notify_all();
@@ -350,6 +377,7 @@ void Recorder::Impl::write(Finished& finished) {
   if (finished.is_frame) {
     list_frame(finished.state.step / scene_.frames.every);
     ++frames_;
+    if (!series_written_ || Clock::now() - *series_written_ > series_interval) write_series();
   } else {
     ++checkpoints_;
   }
@@ -382,25 +410,39 @@ bool Recorder::Impl::is_on_file(const std::filesystem::path& path, const StateIn
       to_string(state.hash.total), differing.empty() ? "which fields they store" : differing));
 }
 
-// The index of the frames and their times that ParaView opens.
 void Recorder::Impl::list_frame(std::int64_t frame) {
-  const auto append = [&](std::int64_t number) {
-    const auto step = static_cast<double>(number * scene_.frames.every);
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(),
-                                   scene_.setup.t0 + step * scene_.setup.dt);
-    series_ += fmt::format("{}\n    {{\"name\": \"{}\", \"time\": {}}}", series_.empty() ? "" : ",",
-                           frame_name(number), std::string_view(digits.data(), end.ptr));
-  };
-  if (series_.empty() && options_.resume) {
-    for (const NumberedFile& earlier : list_frames(directory_)) {
-      if (earlier.number < frame) append(earlier.number);
-    }
+  if (!series_begun_) list_frames_before(frame);
+  const auto step = static_cast<double>(frame * scene_.frames.every);
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(),
+                                 scene_.setup.t0 + step * scene_.setup.dt);
+  series_ += fmt::format("{}\n    {{\"name\": \"{}\", \"time\": {}}}", series_.empty() ? "" : ",",
+                         frame_name(frame), std::string_view(digits.data(), end.ptr));
+  series_behind_ = true;
+}
+
+// Those that the run which is resumed has recorded.
+void Recorder::Impl::list_frames_before(std::int64_t frame) {
+  series_begun_ = true;
+  if (!options_.resume) return;
+  for (const NumberedFile& earlier : list_frames(directory_)) {
+    if (earlier.number < frame) list_frame(earlier.number);
   }
-  append(frame);
+}
+
+void Recorder::Impl::complete_series() {
+  // A run that was killed after its last frame had perhaps not listed it.
+  if (!series_begun_) list_frames_before(std::numeric_limits<std::int64_t>::max());
+  if (series_behind_) write_series();
+}
+
+// The index of the frames and their times that ParaView opens.
+void Recorder::Impl::write_series() {
   write_file(
       directory_ / series_name,
       fmt::format("{{\n  \"file-series-version\": \"1.0\",\n  \"files\": [{}\n  ]\n}}\n", series_));
+  series_written_ = Clock::now();
+  series_behind_ = false;
 }
 
 Recorder::Recorder(std::filesystem::path directory, const scene::Scene& scene,

@@ -9,8 +9,8 @@
 //   }
 //   recorder.finish(RunStatus::done);
 //
-// An error of the thread (disk full) is thrown by the next call, once; what was recorded before
-// stays readable.
+// An error of the thread (disk full) is thrown by the next call and by those after it, by finish()
+// only if no other call has; what was recorded before stays readable.
 #pragma once
 
 #include <cstdint>
@@ -67,6 +67,8 @@ class Recorder {
   /// Returns when all that was handed over is on file.
   void flush();
   /// Completes the recording and run.json. `reason` says why the run failed or was interrupted.
+  /// When it throws, calling it again makes run.json say so; a recording that is complete stays as
+  /// it is.
   void finish(RunStatus status, const std::string& reason = {});
 
   RecorderCounters counters() const;

@@ -13,6 +13,7 @@
 #include "recording/errors.hpp"
 #include "recording/hdf5.hpp"
 #include "recording/output_file.hpp"
+#include "scene/words.hpp"
 
 namespace salvo::recording {
 
@@ -52,6 +53,14 @@ Json to_json(const StateInfo& state) {
           {"removed", state.removed}};
 }
 
+Json to_json(const solver::Removals& removals) {
+  Json json{{"count", removals.count}, {"first", nullptr}};
+  if (const auto& first = removals.first) {
+    json["first"] = {{"id", first->id}, {"step", first->step}, {"column", first->column}};
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string_view name(RunStatus status) { return status_names[static_cast<std::size_t>(status)]; }
@@ -75,10 +84,12 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
         {"digest", to_string(scene_digest(scene))},
         {"overrides", scene.overrides},
         {"seed", scene.setup.seed},
-        {"precision", scene.setup.precision == soa::Precision::single ? "float" : "double"},
+        {"precision", scene::name(scene.setup.precision)},
         {"steps", scene.steps},
         {"dt", scene.setup.dt}}},
       {"result", report.last ? to_json(*report.last) : Json()},
+      {"removed",
+       {{"left_domain", to_json(report.left_domain)}, {"non_finite", to_json(report.non_finite)}}},
       {"machine",
        {{"isa", solver::name(report.execution.isa)},
         {"threads", report.execution.threads},

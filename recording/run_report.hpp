@@ -31,6 +31,9 @@ struct RunReport {
   std::uint64_t frames = 0;
   std::uint64_t particle_steps = 0;
   std::optional<StateInfo> last;  ///< the state recorded last
+  /// Up to there, since the run began or went on.
+  solver::Removals left_domain;
+  solver::Removals non_finite;
 };
 
 /// Writes DIRECTORY/run.json beside its target, then renames it. Throws OutputError.

@@ -89,7 +89,8 @@ void RowBuffer::copy(const soa::Table& table, std::span<const std::size_t> field
     rows.field = fields[i];
     if (!table.stored(fields[i])) continue;
     for (std::size_t c = 0; c < field.components; ++c) {
-      columns_[i][c].resize(rows_.count * size_of(field.scalar, table.precision()));
+      const std::size_t bytes = rows_.count * size_of(field.scalar, table.precision());
+      if (columns_[i][c].size() < bytes) columns_[i][c] = soa::AlignedBytes(bytes);
       rows.components[c] = columns_[i][c].data();
     }
   }
@@ -122,7 +123,7 @@ void RowBuffer::copy(const soa::Table& table, std::span<const std::size_t> field
 std::size_t RowBuffer::capacity_bytes() const {
   std::size_t bytes = 0;
   for (const auto& components : columns_) {
-    for (const std::vector<std::byte>& column : components) bytes += column.capacity();
+    for (const soa::AlignedBytes& column : components) bytes += column.size();
   }
   return bytes;
 }

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "soa/aligned_bytes.hpp"
 #include "soa/particle_fields.hpp"
 #include "soa/table.hpp"
 #include "solver/parallel.hpp"
@@ -69,7 +70,7 @@ class RowBuffer {
 
  private:
   std::vector<std::size_t> first_row_;  // of each leaf of the table, in the buffer
-  std::vector<std::array<std::vector<std::byte>, 3>> columns_;
+  std::vector<std::array<soa::AlignedBytes, 3>> columns_;
   Rows rows_;
 };
 

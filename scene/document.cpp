@@ -136,7 +136,21 @@ int characters(std::string_view text) {
   }));
 }
 
-void apply(Value& root, std::string_view argument, int source, Mistakes& mistakes) {
+// The path of a key without the indices of lists: "emitter.0" is "emitter".
+std::string joined(std::string_view section, std::string_view key) {
+  return section.empty() ? std::string(key) : fmt::format("{}.{}", section, key);
+}
+
+// What the file says in place of a key. Another override is left, to be refused.
+void remove_rivals(Value& table, std::string_view key, const Rivals& rivals) {
+  std::erase_if(table.members, [&](const Member& member) {
+    return member.key != key && member.key_place.source == 0 &&
+           std::find(rivals.keys.begin(), rivals.keys.end(), member.key) != rivals.keys.end();
+  });
+}
+
+void apply(Value& root, std::string_view argument, int source, std::span<const Rivals> rivals,
+           Mistakes& mistakes) {
   const std::size_t equals = argument.find('=');
   const Place whole{source, 1, 1, std::max(characters(argument), 1)};
   if (equals == std::string_view::npos || equals == 0) {
@@ -147,6 +161,7 @@ void apply(Value& root, std::string_view argument, int source, Mistakes& mistake
   const std::string_view path = argument.substr(0, equals);
   const std::string_view text = argument.substr(equals + 1);
   Value* at = &root;
+  std::string section;
   for (std::size_t first = 0; first <= path.size();) {
     const std::size_t last = std::min(path.find('.', first), path.size());
     const std::string_view key = path.substr(first, last - first);
@@ -155,6 +170,10 @@ void apply(Value& root, std::string_view argument, int source, Mistakes& mistake
     if (key.empty()) {
       mistakes.add(key_place, "a key is missing", "keys are joined by single dots");
       return;
+    }
+    if (at->kind == Value::Kind::table) {
+      if (const Rivals* group = rivals_of(rivals, section, key)) remove_rivals(*at, key, *group);
+      section = joined(section, key);
     }
     at = step_into(*at, key, key_place, path.substr(0, first == 0 ? 0 : first - 1), mistakes);
     if (!at) return;
@@ -170,6 +189,7 @@ void apply(Value& root, std::string_view argument, int source, Mistakes& mistake
     at->text = text;
     at->place = value_place;
   }
+  at->typed = text;
 }
 
 }  // namespace
@@ -182,6 +202,17 @@ const Value* Value::find(std::string_view key) const {
 
 Value* Value::find(std::string_view key) {
   return const_cast<Value*>(static_cast<const Value*>(this)->find(key));
+}
+
+const Rivals* rivals_of(std::span<const Rivals> groups, std::string_view section,
+                        std::string_view key) {
+  for (const Rivals& group : groups) {
+    if (group.section == section &&
+        std::find(group.keys.begin(), group.keys.end(), key) != group.keys.end()) {
+      return &group;
+    }
+  }
+  return nullptr;
 }
 
 std::string_view name(Value::Kind kind) {
@@ -224,8 +255,8 @@ const Value& deepest(const Value& root, std::string_view path) {
   return *at;
 }
 
-std::optional<Value> read_document(const std::string& text,
-                                   const std::vector<std::string>& overrides, Mistakes& mistakes) {
+std::optional<Value> read_document(std::string_view text, const std::vector<std::string>& overrides,
+                                   std::span<const Rivals> rivals, Mistakes& mistakes) {
   Value root;
   try {
     root = Converter(text, {})(toml::parse(text));
@@ -238,7 +269,7 @@ std::optional<Value> read_document(const std::string& text,
   }
   root.place = {};  // the file as a whole
   for (std::size_t i = 0; i < overrides.size(); ++i) {
-    apply(root, overrides[i], static_cast<int>(i) + 1, mistakes);
+    apply(root, overrides[i], static_cast<int>(i) + 1, rivals, mistakes);
   }
   return root;
 }

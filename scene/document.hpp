@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ struct Value {
   std::int64_t integer = 0;
   /// Of a string what it says, of an integer or number its decimal digits as written.
   std::string text;
+  /// Of an override its characters, for keys that take a string: the shell has taken its quotes.
+  std::optional<std::string> typed;
   std::vector<Value> items;
   std::vector<Member> members;
 
@@ -36,15 +39,25 @@ struct Member {
   Value value;
 };
 
+/// Keys of one table that say the same thing: at most one of them is given.
+struct Rivals {
+  std::string_view section;  ///< path without indices, such as "emitter"
+  std::vector<std::string_view> keys;
+};
+
+/// The group that a key belongs to; nullptr when it has no rivals.
+const Rivals* rivals_of(std::span<const Rivals> groups, std::string_view section,
+                        std::string_view key);
+
 /// "a whole number", "a table" ..: the kind as messages name it.
 std::string_view name(Value::Kind kind);
 
 /// The value at a dotted path such as "emitter.0.time", or the deepest one on the way to it.
 const Value& deepest(const Value& root, std::string_view path);
 
-/// The tree of a text with the overrides put in, in order; nothing when the text is not TOML. What
-/// is wrong goes to `mistakes`.
-std::optional<Value> read_document(const std::string& text,
-                                   const std::vector<std::string>& overrides, Mistakes& mistakes);
+/// The tree of a text with the overrides put in, in order; nothing when the text is not TOML. An
+/// override takes its key's rivals out of the text. What is wrong goes to `mistakes`.
+std::optional<Value> read_document(std::string_view text, const std::vector<std::string>& overrides,
+                                   std::span<const Rivals> rivals, Mistakes& mistakes);
 
 }  // namespace salvo::scene

@@ -108,6 +108,8 @@ void Reader::read(const Value& value, const KeyText& key, bool& out) {
 void Reader::read(const Value& value, const KeyText& key, std::string& out) {
   if (value.kind == Value::Kind::string) {
     out = value.text;
+  } else if (value.typed) {
+    out = *value.typed;
   } else {
     wrong_type(value, key, "a string");
   }

@@ -22,6 +22,7 @@
 
 #include "scene/document.hpp"
 #include "scene/mistakes.hpp"
+#include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
 #include "solver/emitter.hpp"
 
@@ -46,18 +47,6 @@ inline constexpr Bounds not_negative{0};
 constexpr Bounds between(double lowest, double highest) { return {lowest, highest}; }
 constexpr Bounds at_least(double lowest) { return {lowest}; }
 constexpr Bounds above(double lowest, double highest) { return {lowest, highest, true}; }
-
-/// A word that a key takes, and the value of an enumeration that it stands for.
-struct Word {
-  template <class E>
-  Word(std::string_view text, E enumerator, std::string_view says = "")
-      : word(text), value(static_cast<int>(enumerator)), meaning(says) {}
-
-  std::string_view word;
-  int value;
-  std::string_view meaning;
-};
-using Words = std::vector<Word>;
 
 /// The set of a section's kinds that a key belongs to: one bit for each value of the word that
 /// decides.

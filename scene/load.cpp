@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 #include <system_error>
+#include <tuple>
 
 #include "kernels/math.hpp"
 #include "scene/document.hpp"
@@ -36,7 +37,7 @@ constexpr std::size_t most_samples = std::size_t{1} << 24;
 class Completion {
  public:
   Completion(const Value& root, SceneKeys& keys, Mistakes& mistakes)
-      : root_(root), keys_(keys), mistakes_(mistakes) {}
+      : root_(root), keys_(keys), mistakes_(mistakes), read_whole_(mistakes.count() == 0) {}
 
   void run() {
     const std::size_t before = mistakes_.count();
@@ -47,6 +48,8 @@ class Completion {
     complete_domain();
     complete_emitters();
     if (timed_) complete_frames();
+    // A value that could not be read may be what the others are for.
+    if (read_whole_) refuse_what_does_nothing();
   }
 
  private:
@@ -54,18 +57,43 @@ class Completion {
     mistakes_.add(deepest(root_, path).place, std::move(problem), std::move(hint));
   }
 
-  // True when exactly one of two keys is given; else says so.
-  bool one_of(const std::string& section, bool first_given, const std::string& first,
-              bool second_given, const std::string& second) {
-    if (first_given && second_given) {
-      fail(section + "." + second, fmt::format("\"{}\" and \"{}\" say the same", first, second),
-           "keep one of them");
-    } else if (!first_given && !second_given && !attempted(section, first) &&
-               !attempted(section, second)) {
-      fail(section, fmt::format("missing key \"{}\" in {}", first, label(section)),
-           fmt::format("give it, or \"{}\"", second));
+  // Whether at most one of a key and its rivals is given; else says so, at the last of them.
+  bool at_most_one_of(const std::string& path, std::string_view key) {
+    const std::vector<const Member*> given = given_of(path, key);
+    if (given.size() < 2) return true;
+    mistakes_.add(
+        given.back()->value.place,
+        fmt::format("\"{}\" and \"{}\" say the same", given.front()->key, given.back()->key),
+        "keep one of them");
+    return false;
+  }
+  bool one_of(const std::string& path, std::string_view key) {
+    if (given_of(path, key).empty()) {
+      const std::vector<std::string_view>& keys = group_of(path, key).keys;
+      fail(path, fmt::format("missing key \"{}\" in {}", keys[0], label(path)),
+           fmt::format("give it, or \"{}\"", keys[1]));
+      return false;
     }
-    return first_given != second_given;
+    return at_most_one_of(path, key);
+  }
+  // Those of a key and its rivals that are there, right or wrong, in the order in which they are
+  // written.
+  std::vector<const Member*> given_of(const std::string& path, std::string_view key) const {
+    const Rivals& group = group_of(path, key);
+    std::vector<const Member*> given;
+    for (const Member& member : deepest(root_, path).members) {
+      if (std::find(group.keys.begin(), group.keys.end(), member.key) != group.keys.end()) {
+        given.push_back(&member);
+      }
+    }
+    std::stable_sort(given.begin(), given.end(), [](const Member* a, const Member* b) {
+      const auto order = [](const Place& p) { return std::tuple(p.source, p.line, p.column); };
+      return order(a->key_place) < order(b->key_place);
+    });
+    return given;
+  }
+  static const Rivals& group_of(const std::string& path, std::string_view key) {
+    return *rivals_of(rival_keys(), path.substr(0, path.find('.')), key);
   }
   // A key that is there but was wrong is no missing key.
   bool attempted(const std::string& section, const std::string& key) const {
@@ -81,10 +109,8 @@ class Completion {
     const TimeKeys& time = keys_.time;
     keys_.setup.t0 = time.start;
     if (!root_.find("time")) return;
-    const bool stepped = one_of("time", time.dt.has_value(), "dt",
-                                time.steps_per_second.has_value(), "steps_per_second");
-    const bool limited =
-        one_of("time", time.duration.has_value(), "duration", time.steps.has_value(), "steps");
+    const bool stepped = one_of("time", "dt") && (time.dt || time.steps_per_second);
+    const bool limited = one_of("time", "duration") && (time.duration || time.steps);
     if (stepped) keys_.setup.dt = time.dt ? *time.dt : 1 / *time.steps_per_second;
     if (!stepped || !limited) return;
     if (time.steps) {
@@ -186,9 +212,7 @@ class Completion {
   }
 
   void complete_heights(ObstacleKeys& given, const std::string& path) {
-    if (!one_of(path, given.heights.has_value(), "heights", given.hills.has_value(), "hills")) {
-      return;
-    }
+    if (!one_of(path, "heights") || (!given.heights && !given.hills)) return;
     if (given.hills) {
       const Hills& hills = *given.hills;
       if (!(hills.length > 0) || hills.columns < 2 || hills.rows < 2) return;  // reported
@@ -283,10 +307,7 @@ class Completion {
       fail(path + ".time", "\"time\" in [[emitter]] is after the end", end_hint());
     }
     if (given.kind == EmitterKind::jet && timed_) complete_jet(given, path);
-    if (given.drag_coefficient && given.given_drag_area) {
-      fail(path + ".drag_coefficient", "\"drag_area\" and \"drag_coefficient\" say the same",
-           "keep one of them");
-    }
+    at_most_one_of(path, "drag_area");
     if (given.drag_coefficient && !given.radius.varies() && given.radius.a == 0 &&
         !attempted(path, "radius")) {
       fail(path + ".drag_coefficient", "\"drag_coefficient\" in [[emitter]] needs a radius",
@@ -323,15 +344,7 @@ class Completion {
   void complete_frames() {
     const FrameKeys& given = keys_.frame_keys;
     keys_.frames = given;
-    std::vector<std::string> ways;
-    if (given.given_every) ways.emplace_back("every");
-    if (given.count) ways.emplace_back("count");
-    if (given.per_second) ways.emplace_back("per_second");
-    if (ways.size() > 1) {
-      fail("frames." + ways[1], fmt::format("\"{}\" and \"{}\" say the same", ways[0], ways[1]),
-           "keep one of them");
-      return;
-    }
+    if (!at_most_one_of("frames", "every")) return;
     const std::int64_t steps = keys_.steps;
     if (given.count) {
       keys_.frames.every = steps / *given.count;
@@ -368,12 +381,19 @@ class Completion {
     return fmt::format("{} do{} not divide the run of {} steps", what,
                        what.ends_with("frames") ? "" : "es", keys_.steps);
   }
+  // Of two that are equally near the smaller one.
   std::int64_t nearest_divisor(std::int64_t wanted) const {
-    for (std::int64_t off = 0; off < wanted; ++off) {
-      if (keys_.steps % (wanted - off) == 0) return wanted - off;
-      if (wanted + off <= keys_.steps && keys_.steps % (wanted + off) == 0) return wanted + off;
+    std::int64_t nearest = 1;
+    const auto consider = [&](std::int64_t divisor) {
+      const std::int64_t off = std::abs(divisor - wanted) - std::abs(nearest - wanted);
+      if (off < 0 || (off == 0 && divisor < nearest)) nearest = divisor;
+    };
+    for (std::int64_t divisor = 1; divisor * divisor <= keys_.steps; ++divisor) {
+      if (keys_.steps % divisor != 0) continue;
+      consider(divisor);
+      consider(keys_.steps / divisor);
     }
-    return 1;
+    return nearest;
   }
 
   void complete_columns() {
@@ -391,10 +411,48 @@ class Completion {
     }
   }
 
+  // What is written for nothing is a mistake: its author expects something of it.
+  void refuse_what_does_nothing() {
+    const models::ForceSettings& forces = keys_.setup.forces;
+    if (!forces.quadratic_drag && forces.linear_drag == 0) {
+      for (const char* wind : {"wind", "gust"}) {
+        if (!attempted("forces", wind)) continue;
+        fail(fmt::format("forces.{}", wind),
+             fmt::format("[forces.{}] acts through drag, and there is none", wind),
+             "set quadratic_drag = true, or a linear_drag");
+      }
+    }
+    // A field that is recorded is of use without drag, too.
+    const std::vector<soa::ParticleField>& columns = keys_.frame_keys.columns;
+    const bool recorded =
+        std::find(columns.begin(), columns.end(), soa::ParticleField::drag_area) != columns.end();
+    for (std::size_t i = 0; !forces.quadratic_drag && !recorded && i < keys_.emitters.size(); ++i) {
+      const std::string path = fmt::format("emitter.{}", i);
+      for (const Member* given : given_of(path, "drag_area")) {
+        mistakes_.add(given->value.place,
+                      fmt::format("\"{}\" in [[emitter]] is given, but there is no quadratic drag",
+                                  given->key),
+                      "set quadratic_drag = true in [forces]");
+      }
+    }
+    const auto has_radius = [](const EmitterKeys& emitter) {
+      return emitter.radius.varies() || emitter.radius.a > 0;
+    };
+    if (forces.buoyancy && std::none_of(keys_.emitters.begin(), keys_.emitters.end(), has_radius)) {
+      fail("forces.buoyancy", "\"buoyancy\" in [forces] lifts no particle: all have radius 0",
+           "give an emitter a radius");
+    }
+    if (root_.find("contact") && !root_.find("obstacle")) {
+      fail("contact", "[contact] is given, but there is no [[obstacle]]",
+           "add one, or remove [contact]");
+    }
+  }
+
   const Value& root_;
   SceneKeys& keys_;
   Mistakes& mistakes_;
-  bool timed_ = false;  // the step and the end are known
+  const bool read_whole_;  // no value was wrong
+  bool timed_ = false;     // the step and the end are known
 };
 
 }  // namespace
@@ -406,9 +464,13 @@ SceneError::SceneError(std::vector<std::string> mistakes)
 Scene parse(const std::string& text, const std::string& path,
             const std::vector<std::string>& overrides) {
   const solver::FloatingPointEnvironment environment;
-  Mistakes mistakes(path, text, overrides);
+  // Some editors begin a file with a byte order mark, which is no part of its first line.
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  std::string_view body = text;
+  if (body.starts_with(mark)) body.remove_prefix(mark.size());
+  Mistakes mistakes(path, body, overrides);
   SceneKeys keys;
-  if (const std::optional<Value> root = read_document(text, overrides, mistakes)) {
+  if (const std::optional<Value> root = read_document(body, overrides, rival_keys(), mistakes)) {
     Reader reader(scene_section(), mistakes);
     scene_section().read(reader, *root, keys);
     Completion(*root, keys, mistakes).run();

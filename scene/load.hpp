@@ -27,9 +27,9 @@ class SceneError : public std::runtime_error {
 };
 
 /// The scene of a file. `overrides` are "key.path=value" with the value as in TOML
-/// ("emitter.0.count=10" reaches into the list of emitters); a value that is no TOML is taken as a
-/// string, so that a shell's quotes may be left out. Throws SceneError, and std::system_error when
-/// the file cannot be read.
+/// ("emitter.0.count=10" reaches into the list of emitters); a value that is no TOML, and any
+/// value of a key that takes a string, is taken as it stands, so that quotes may be left out.
+/// Throws SceneError, and std::system_error when the file cannot be read.
 Scene load(const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// The scene of a text; `path` is the name that messages give it.

@@ -210,15 +210,7 @@ const Section<ObstacleKeys>& obstacle_section() {
       Section<ObstacleKeys>(
           "obstacle", true, "a fixed obstacle; obstacles are met in the order of the file",
           {
-              of.word("shape", &Obstacle::shape, "what it is",
-                      {{"plane", Shape::plane, "everything on the far side of the normal is solid"},
-                       {"sphere", Shape::sphere},
-                       {"box", Shape::box},
-                       {"capsule", Shape::capsule, "all within `radius` of a segment"},
-                       {"cylinder", Shape::cylinder, "with flat ends"},
-                       {"height_field", Shape::height_field,
-                        "heights along y on a grid in x and z; solid below"}})
-                  .must(),
+              of.word("shape", &Obstacle::shape, "what it is", words_of<Shape>()).must(),
               of.key("position", "m", &Obstacle::center,
                      "a point of a plane, the middle of a solid, the corner of least x and z of a "
                      "height field"),
@@ -286,19 +278,7 @@ const Section<EmitterKeys>& emitter_section() {
       Section<EmitterKeys>(
           "emitter", true, "a source of particles",
           {
-              of.word("kind", &Emitter::kind, "what it is",
-                      {{"burst", Kind::burst, "from a point or ball, in all directions"},
-                       {"shell", Kind::shell, "from the surface of a sphere, outward"},
-                       {"cone", Kind::cone, "from a point or ball, into a cone"},
-                       {"jet", Kind::jet, "the same, at a rate for a duration"},
-                       {"book_explosion", Kind::book_explosion,
-                        "section 2.6 of the book: in the x-y plane, whole-number speeds in "
-                        "strength/2 to strength, whole degrees, lives of 80 to 100 % of the "
-                        "longest"},
-                       {"energy_explosion", Kind::energy_explosion,
-                        "section 18.4.1 of the book: speeds from an energy budget that is never "
-                        "exceeded"}})
-                  .must(),
+              of.word("kind", &Emitter::kind, "what it is", words_of<Kind>()).must(),
               of.key("name", "", &Emitter::name, "for messages and reports"),
               of.key("stream", "", &EmitterKeys::given_stream,
                      "number line of its ids and random draws, unique",
@@ -423,28 +403,30 @@ const Section<VerifySettings>& verify_section() {
 
 }  // namespace
 
+std::span<const Rivals> rival_keys() {
+  static const std::vector<Rivals> groups{{"time", {"dt", "steps_per_second"}},
+                                          {"time", {"duration", "steps"}},
+                                          {"obstacle", {"heights", "hills"}},
+                                          {"emitter", {"drag_area", "drag_coefficient"}},
+                                          {"frames", {"every", "count", "per_second"}}};
+  return groups;
+}
+
 const Section<SceneKeys>& scene_section() {
   constexpr KeysOf<SceneKeys> of;
   static const Section<SceneKeys> section(
       "", false, "what to simulate",
       {
           of.key("title", "", &Scene::title, "one line for people"),
-          of.word("precision", [](Scene & scene) -> auto& { return scene.setup.precision; },
-                  "how wide the numbers of the particles are",
-                  {{"float", soa::Precision::single, "32 bits"},
-                   {"double", soa::Precision::twice, "64 bits"}}),
+          of.word(
+              "precision", [](Scene & scene) -> auto& { return scene.setup.precision; },
+              "how wide the numbers of the particles are", words_of<soa::Precision>()),
           of.key(
               "seed", "", [](Scene & scene) -> auto& { return scene.setup.seed; },
               "of every random draw", not_negative),
-          of.word("integrator", [](Scene & scene) -> auto& { return scene.setup.integrator; },
-                  "how a step is taken",
-                  {{"explicit_euler", IntegratorKind::explicit_euler, "order 1"},
-                   {"semi_implicit_euler", IntegratorKind::semi_implicit_euler,
-                    "order 1, keeps energies bounded; the book's"},
-                   {"improved_euler", IntegratorKind::improved_euler, "order 2, Heun's method"},
-                   {"runge_kutta_4", IntegratorKind::runge_kutta_4, "order 4"},
-                   {"velocity_verlet", IntegratorKind::velocity_verlet,
-                    "order 2, keeps energies bounded"}}),
+          of.word(
+              "integrator", [](Scene & scene) -> auto& { return scene.setup.integrator; },
+              "how a step is taken", words_of<IntegratorKind>()),
           of.table("time", time_section(), &SceneKeys::time).must(),
           of.table(
               "forces", force_section(), [](Scene & scene) -> auto& { return scene.setup.forces; }),

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "scene/keys.hpp"
@@ -56,5 +57,8 @@ struct SceneKeys : Scene {
 
 /// The list of all keys.
 const Section<SceneKeys>& scene_section();
+
+/// Those of them that say the same as others.
+std::span<const Rivals> rival_keys();
 
 }  // namespace salvo::scene

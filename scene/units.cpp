@@ -323,12 +323,17 @@ std::string plain(std::string_view text) {
                                    : fmt::format("expected a number in {}", wanted));
 }
 
+[[noreturn]] void refuse_slash(std::string_view written) {
+  throw UnitError(fmt::format("\"{}\" is no unit", written), "one unit follows each /");
+}
+
 Scale scale_of(std::string_view written, std::string_view wanted) {
   const std::string text = plain(written);
   Scale scale;
   int sign = 1;
   for (std::size_t at = 0; at < text.size();) {
     if (text[at] == ' ' || text[at] == '/') {
+      if (text[at] == '/' && sign < 0) refuse_slash(written);
       if (text[at] == '/') sign = -1;
       ++at;
       continue;
@@ -357,6 +362,7 @@ Scale scale_of(std::string_view written, std::string_view wanted) {
     sign = 1;
     at = end;
   }
+  if (sign < 0) refuse_slash(written);
   return scale;
 }
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
+#include <type_traits>
 #include <utility>
+
+#include "solver/diagnostic_fields.hpp"
 
 namespace salvo::scene {
 
@@ -21,62 +23,44 @@ using solver::World;
 constexpr Execution reference_execution{solver::Isa::scalar, 1, 1};
 
 // The results of a frame besides its state, which the contract covers as well.
-constexpr std::array<const char*, 20> summary_names{
-    "count",
-    "mass",
-    "momentum.x",
-    "momentum.y",
-    "momentum.z",
-    "center_of_mass.x",
-    "center_of_mass.y",
-    "center_of_mass.z",
-    "kinetic_energy",
-    "potential_energy",
-    "lowest.x",
-    "lowest.y",
-    "lowest.z",
-    "highest.x",
-    "highest.y",
-    "highest.z",
-    "max_speed",
-    "impacts",
-    "rests",
-    "removed",
+struct SummaryField {
+  std::string name;
+  double value = 0;
 };
-using Summary = std::array<double, summary_names.size()>;
+using Summary = std::vector<SummaryField>;
 
 Summary summary_of(const World& world) {
-  const solver::Diagnostics d = world.diagnose();
-  const auto whole = [](std::uint64_t number) { return static_cast<double>(number); };
-  return {whole(d.count),
-          d.mass,
-          d.momentum[0],
-          d.momentum[1],
-          d.momentum[2],
-          d.center_of_mass[0],
-          d.center_of_mass[1],
-          d.center_of_mass[2],
-          d.kinetic_energy,
-          d.potential_energy,
-          d.lowest[0],
-          d.lowest[1],
-          d.lowest[2],
-          d.highest[0],
-          d.highest[1],
-          d.highest[2],
-          d.max_speed,
-          whole(world.tally().impacts),
-          whole(world.tally().rests),
-          whole(world.removed())};
+  Summary summary;
+  const auto whole = [&](std::string_view name, std::uint64_t number) {
+    summary.push_back({std::string(name), static_cast<double>(number)});
+  };
+  const auto add = [&](std::string_view name, std::string_view /*unit*/, const auto& member) {
+    using Member = std::remove_cvref_t<decltype(member)>;
+    if constexpr (std::is_same_v<Member, std::uint64_t>) {
+      whole(name, member);
+    } else if constexpr (std::is_same_v<Member, double>) {
+      summary.push_back({std::string(name), member});
+    } else {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        summary.push_back({fmt::format("{}.{}", name, "xyz"[axis]), member[axis]});
+      }
+    }
+  };
+  const solver::Diagnostics diagnostics = world.diagnose();
+  for_each_field(diagnostics, add);
+  whole("impacts", world.tally().impacts);
+  whole("rests", world.tally().rests);
+  whole("removed", world.removed());
+  return summary;
 }
 
 std::optional<Difference> summary_difference(const Summary& reference, const Summary& varied) {
-  for (std::size_t i = 0; i < summary_names.size(); ++i) {
-    const double a = reference[i];
-    const double b = varied[i];
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const double a = reference[i].value;
+    const double b = varied[i].value;
     if (same_bits(a, b)) continue;
     Difference difference;
-    difference.column = summary_names[i];
+    difference.column = reference[i].name;
     difference.reference = hex_text(a);
     difference.varied = hex_text(b);
     return difference;

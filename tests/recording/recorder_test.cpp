@@ -230,6 +230,72 @@ TEST(Recorder, FailureThatNoCallToldIsToldByFinish) {
   EXPECT_EQ(json_of(directory / "run.json")["status"], "failed");
 }
 
+TEST(Recorder, IsFinishedOnce) {
+  const TemporaryDirectory directory;
+  const scene::Scene scene = small_scene();
+  solver::World world = small_world(scene);
+  Recorder recorder(directory.path(), scene, {});
+  run_on(world, recorder, scene, scene.steps);
+  recorder.finish(RunStatus::failed, "after all");
+  EXPECT_EQ(json_of(directory / "run.json")["status"], "done");
+}
+
+// The report is in the way, then no more.
+TEST(Recorder, FinishedAgainSaysWhatItCouldNotSayBefore) {
+  const TemporaryDirectory directory;
+  const scene::Scene scene = small_scene();
+  const solver::World world = small_world(scene);
+  Recorder recorder(directory.path(), scene, {});
+  recorder.record(world);
+  std::filesystem::create_directories(directory / ".run.json.partial/in the way");
+  EXPECT_THROW(recorder.finish(RunStatus::done), OutputError);
+  EXPECT_EQ(json_of(directory / "run.json")["status"], "running");
+  std::filesystem::remove_all(directory / ".run.json.partial");
+  recorder.finish(RunStatus::failed, "because");
+  EXPECT_EQ(json_of(directory / "run.json")["reason"], "because");
+}
+
+// Of many frames a second; the index of the frames is whole when anybody is told that they are.
+TEST(Recorder, ListsTheFramesNowAndThenAndWhenFlushed) {
+  const TemporaryDirectory directory;
+  const scene::Scene scene = small_scene();
+  solver::World world = small_world(scene);
+  const auto listed = [&] { return json_of(directory / "frames.hdf.series")["files"].size(); };
+  Recorder recorder(directory.path(), scene, {});
+  recorder.record(world);
+  recorder.flush();
+  for (std::size_t frame = 1; frame <= 6; ++frame) {
+    world.advance_to(static_cast<std::int64_t>(5 * frame));
+    recorder.record(world);
+    if (frame % 3 != 0) continue;
+    recorder.flush();
+    EXPECT_EQ(listed(), frame + 1);
+  }
+}
+
+TEST(Recorder, ResumedWhenAllIsRecordedListsTheFramesAgain) {
+  const TemporaryDirectory directory;
+  scene::Scene scene = small_scene();
+  scene.steps = 63;  // no frame is due at the end
+  record_run(scene, directory.path());
+  const auto before = contents_of(directory.path());
+  std::filesystem::remove(directory / "frames.hdf.series");
+  solver::World world = small_world(scene);
+  auto state = resume_point(directory.path(), scene);
+  ASSERT_TRUE(state);
+  ASSERT_EQ(state->step, 63);
+  std::move(*state).restore(world);
+  Recorder recorder(directory.path(), scene, {{}, {}, true, false});
+  run_on(world, recorder, scene, scene.steps);
+  EXPECT_EQ(contents_of(directory.path()), before);
+}
+
+TEST(Recorder, ErrorsKnowWhetherThereIsRoom) {
+  EXPECT_TRUE(OutputError("full", ENOSPC).no_room());
+  EXPECT_FALSE(OutputError("closed", EACCES).no_room());
+  EXPECT_FALSE(OutputError("unknown").no_room());
+}
+
 TEST(Recorder, FullDiskIsAnOutputErrorAndKeepsWhatIsThere) {
   const TemporaryDirectory directory;
   const std::filesystem::path disk = directory / "disk";

@@ -589,6 +589,13 @@ TEST(SceneMistakes, Frames) {
             "    |           ^^ expected at least one field");
 }
 
+TEST(SceneMistakes, TheNearestDivisorOfAnyNumberIsFoundAtOnce) {
+  EXPECT_NE(mistakes_with("[frames]\ncount = 2147483646\n").find("such as 100"), std::string::npos);
+  EXPECT_NE(mistakes_of(minimal, {"time.steps=2147483629", "frames.every=1000000000"})
+                .find("such as 1 steps"),
+            std::string::npos);
+}
+
 TEST(SceneMistakes, Streams) {
   EXPECT_EQ(mistakes_with("stream = 1\n[[emitter]]\nkind = \"burst\"\ncount = 1\n"),
             "scene.toml:8:1: error: stream 1 is that of emitter 0 too\n"
@@ -605,11 +612,12 @@ TEST(SceneMistakes, Emitters) {
             "scene.toml:4:1: error: \"position\" in [[emitter]] is outside the domain in z\n"
             "  4 | [[emitter]]\n"
             "    | ^^^^^^^^^^^ expected 1 to 2 m");
-  EXPECT_EQ(mistakes_with("drag_area = 1\ndrag_coefficient = 1\nradius = 1\n"),
+  EXPECT_EQ(mistakes_with("drag_area = 1\ndrag_coefficient = 1\nradius = 1\n[forces]\n"
+                          "quadratic_drag = true\n"),
             "scene.toml:8:20: error: \"drag_area\" and \"drag_coefficient\" say the same\n"
             "  8 | drag_coefficient = 1\n"
             "    |                    ^ keep one of them");
-  EXPECT_EQ(mistakes_with("drag_coefficient = 1\n"),
+  EXPECT_EQ(mistakes_with("drag_coefficient = 1\n[forces]\nquadratic_drag = true\n"),
             "scene.toml:7:20: error: \"drag_coefficient\" in [[emitter]] needs a radius\n"
             "  7 | drag_coefficient = 1\n"
             "    |                    ^ give radius, or drag_area instead");
@@ -633,7 +641,8 @@ TEST(SceneMistakes, Emitters) {
 
 TEST(SceneMistakes, Forces) {
   EXPECT_EQ(
-      mistakes_with("[forces.wind]\nprofile = \"log_law\"\nvelocity = [1, 0, 0]\nroughness = 10\n"),
+      mistakes_with("[forces.wind]\nprofile = \"log_law\"\nvelocity = [1, 0, 0]\nroughness = 10\n"
+                    "[forces]\nlinear_drag = 1\n"),
       "scene.toml:10:13: error: \"roughness\" in [forces.wind] is not below the reference "
       "height\n"
       " 10 | roughness = 10\n"
@@ -651,6 +660,34 @@ TEST(SceneMistakes, Forces) {
             "scene.toml:10:1: error: [forces.gust] does not go with drag_law = \"book_still_air\"\n"
             " 10 | [forces.gust]\n"
             "    | ^^^^^^^^^^^^^ remove one");
+}
+
+TEST(SceneMistakes, WhatWouldDoNothing) {
+  EXPECT_EQ(mistakes_with("drag_area = 1\n[forces]\nbuoyancy = true\n[forces.wind]\nvelocity = "
+                          "[1, 0, 0]\n[forces.gust]\nstandard_deviation = [1, 1, 1]\n[contact]\n"
+                          "max_impacts = 3\n"),
+            "scene.toml:7:13: error: \"drag_area\" in [[emitter]] is given, but there is no "
+            "quadratic drag\n"
+            "  7 | drag_area = 1\n"
+            "    |             ^ set quadratic_drag = true in [forces]\n"
+            "scene.toml:9:12: error: \"buoyancy\" in [forces] lifts no particle: all have radius "
+            "0\n"
+            "  9 | buoyancy = true\n"
+            "    |            ^^^^ give an emitter a radius\n"
+            "scene.toml:10:1: error: [forces.wind] acts through drag, and there is none\n"
+            " 10 | [forces.wind]\n"
+            "    | ^^^^^^^^^^^^^ set quadratic_drag = true, or a linear_drag\n"
+            "scene.toml:12:1: error: [forces.gust] acts through drag, and there is none\n"
+            " 12 | [forces.gust]\n"
+            "    | ^^^^^^^^^^^^^ set quadratic_drag = true, or a linear_drag\n"
+            "scene.toml:14:1: error: [contact] is given, but there is no [[obstacle]]\n"
+            " 14 | [contact]\n"
+            "    | ^^^^^^^^^ add one, or remove [contact]");
+  // Linear drag carries wind; a recorded drag area is of use.
+  EXPECT_EQ(mistakes_with("drag_area = 1\nradius = 1\n[forces]\nlinear_drag = 1\nbuoyancy = true\n"
+                          "[forces.wind]\nvelocity = [1, 0, 0]\n[frames]\ncolumns = "
+                          "[\"drag_area\"]\n"),
+            "no mistake");
 }
 
 TEST(SceneMistakes, GustsThatWouldSilentlyTakeTheWinds) {
@@ -689,10 +726,10 @@ TEST(SceneMistakes, HeightFields) {
 }
 
 TEST(SceneOverrides, ReplaceAndAddKeys) {
-  const Scene scene =
-      parse(minimal, "scene.toml",
-            {"emitter.0.count=20", "time.dt=5 ms", "precision=double", "title=\"a = b\"",
-             "forces.wind.velocity=[1, 2, \"3 kn\"]", "seed=0x10", "verify.rows=1e3"});
+  const Scene scene = parse(minimal, "scene.toml",
+                            {"emitter.0.count=20", "time.dt=5 ms", "precision=double",
+                             "title=\"a = b\"", "forces.wind.velocity=[1, 2, \"3 kn\"]",
+                             "forces.linear_drag=1", "seed=0x10", "verify.rows=1e3"});
   EXPECT_EQ(scene.setup.emitters[0].count, 20u);
   EXPECT_EQ(scene.setup.dt, 0.005);
   EXPECT_EQ(scene.setup.precision, soa::Precision::twice);
@@ -701,12 +738,51 @@ TEST(SceneOverrides, ReplaceAndAddKeys) {
   EXPECT_EQ(scene.setup.forces.wind.velocity[1], 2.0);
   EXPECT_EQ(scene.setup.seed, 16u);
   EXPECT_EQ(scene.verify.rows, 1000u);
-  EXPECT_EQ(scene.overrides.size(), 7u);
+  EXPECT_EQ(scene.overrides.size(), 8u);
   EXPECT_EQ(scene.text, minimal);
 }
 
 TEST(SceneOverrides, TheLastOneWins) {
   EXPECT_EQ(parse(minimal, "scene.toml", {"seed=1", "seed=2"}).setup.seed, 2u);
+}
+
+TEST(SceneOverrides, TakeThePlaceOfKeysThatSayTheSame) {
+  const std::string text = minimal + R"(drag_area = 1
+radius = 0.5
+[forces]
+quadratic_drag = true
+[[obstacle]]
+shape = "height_field"
+spacing = 1
+heights = [[0, 1], [2, 3]]
+[frames]
+count = 10
+)";
+  const Scene scene = parse(
+      text, "scene.toml",
+      {"time.steps_per_second=50", "time.steps=100", "frames.every=50",
+       "emitter.0.drag_coefficient=0.5", "obstacle.0.hills.columns=3", "obstacle.0.hills.rows=4",
+       "obstacle.0.hills.deviation=1", "obstacle.0.hills.length=2"});
+  EXPECT_EQ(scene.setup.dt, 0.02);
+  EXPECT_EQ(scene.steps, 100);
+  EXPECT_EQ(scene.frames.every, 50);
+  EXPECT_EQ(scene.setup.emitters[0].drag_coefficient, 0.5);
+  EXPECT_EQ(scene.setup.obstacles[0].samples->heights.size(), 12u);
+  EXPECT_EQ(parse(text, "scene.toml", {"frames.per_second=50"}).frames.every, 2);
+}
+
+TEST(SceneOverrides, ThatClashAreAMistakeOfTheLaterOne) {
+  EXPECT_EQ(mistakes_of(minimal, {"time.steps=100", "time.duration=2"}),
+            "--set time.duration=2: error: \"steps\" and \"duration\" say the same\n"
+            "    | time.duration=2\n"
+            "    |               ^ keep one of them");
+}
+
+TEST(SceneOverrides, GiveStringsThatLookLikeSomethingElse) {
+  const Scene scene = parse(minimal, "scene.toml", {"emitter.0.name=5", "title=1979-05-27"});
+  EXPECT_EQ(scene.setup.emitters[0].name, "5");
+  EXPECT_EQ(scene.title, "1979-05-27");
+  EXPECT_EQ(parse(minimal, "scene.toml", {"title=\"5\""}).title, "5");
 }
 
 TEST(SceneOverrides, MistakesNameTheArgument) {
@@ -754,6 +830,19 @@ TEST(SceneFile, IsRead) {
   EXPECT_EQ(load(path).text, minimal);
   EXPECT_EQ(load(path, {"seed=3"}).setup.seed, 3u);
   std::filesystem::remove(path);
+}
+
+TEST(SceneFile, MayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const Scene scene =
+      parse(mark + "time = { dt = 0.25, steps = 4 }\n" + minimal.substr(minimal.find("[[")),
+            "scene.toml");
+  EXPECT_EQ(scene.setup.dt, 0.25);
+  EXPECT_EQ(scene.text.substr(0, 3), mark);
+  EXPECT_EQ(mistakes_of(mark + "sede = 1\n" + minimal),
+            "scene.toml:1:1: error: unknown key \"sede\" in the scene\n"
+            "  1 | sede = 1\n"
+            "    | ^^^^ did you mean \"seed\"?");
 }
 
 TEST(SceneFile, ThatCannotBeReadIsNamed) {

@@ -134,6 +134,79 @@ TEST(ShippedScenes, TheMainJobIsAMillionParticles) {
   EXPECT_TRUE(scene.checkpoint.at_end);
 }
 
+Scene book_scene(const std::string& name) {
+  return load(repository / "scenes" / "book" / (name + ".toml"));
+}
+
+TEST(BookScenes, KinematicExplosionHasTheDefaultsOf2_6) {
+  const solver::Setup setup = book_scene("particle_explosion").setup;
+  EXPECT_EQ(setup.dt, 0.01);
+  EXPECT_EQ(setup.forces.gravity, (models::Triple{0, -30, 0}));
+  ASSERT_EQ(setup.emitters.size(), 1u);
+  const solver::Emitter& explosion = setup.emitters[0];
+  EXPECT_EQ(explosion.kind, solver::EmitterKind::book_explosion);
+  EXPECT_EQ(explosion.count, 50u);
+  EXPECT_EQ(explosion.position, (models::Triple{200, 400 - 100, 0}));  // y up in a view of 400
+  EXPECT_EQ(explosion.strength, 75);
+  EXPECT_EQ(explosion.life_ms, 4000);
+  EXPECT_FALSE(explosion.angle.has_value());  // the book's 999
+}
+
+TEST(BookScenes, EnergyExplosionHasTheGravelOf18_4_1) {
+  const solver::Setup setup = book_scene("kinetic_energy_explosion").setup;
+  ASSERT_EQ(setup.emitters.size(), 1u);
+  const solver::Emitter& explosion = setup.emitters[0];
+  EXPECT_EQ(explosion.count, 50u);
+  EXPECT_EQ(explosion.mass.a, 0.25);
+  EXPECT_EQ(explosion.energy, 566.5725);
+  EXPECT_EQ(explosion.shares, solver::EnergyShares::book);
+}
+
+TEST(BookScenes, ParticlesHaveTheConstantsOfChapter8) {
+  for (const char* name :
+       {"particles_gravity", "particles_wind", "particles_ground", "particles_obstacles"}) {
+    SCOPED_TRACE(name);
+    const solver::Setup setup = book_scene(name).setup;
+    EXPECT_EQ(setup.dt, 0.1);
+    EXPECT_EQ(setup.integrator, solver::IntegratorKind::semi_implicit_euler);
+    EXPECT_EQ(setup.forces.gravity, (models::Triple{0, -9.8, 0}));
+    ASSERT_EQ(setup.emitters.size(), 1u);
+    EXPECT_EQ(setup.emitters[0].count, 1000u);
+    EXPECT_EQ(setup.emitters[0].mass.a, 1);
+    EXPECT_EQ(setup.emitters[0].radius.a, 0.1);
+    if (setup.forces.quadratic_drag) {
+      EXPECT_EQ(setup.forces.drag_law, models::DragLaw::book_still_air);
+      EXPECT_EQ(setup.forces.air_density, 1.23);
+      EXPECT_EQ(setup.forces.wind.velocity, (models::Triple{10, 0, 0}));
+      EXPECT_EQ(setup.emitters[0].drag_coefficient, 0.6);
+    }
+    for (const models::Obstacle& obstacle : setup.obstacles) EXPECT_EQ(obstacle.restitution, 0.6);
+    if (setup.obstacles.empty()) continue;
+    EXPECT_EQ(setup.contact.response, models::ContactResponse::force);
+    EXPECT_EQ(setup.obstacles[0].shape, models::ObstacleShape::plane);
+    EXPECT_EQ(setup.obstacles[0].center[1], 100);
+  }
+  EXPECT_FALSE(book_scene("particles_gravity").setup.forces.quadratic_drag);
+  EXPECT_TRUE(book_scene("particles_wind").setup.forces.quadratic_drag);
+  EXPECT_EQ(book_scene("particles_ground").setup.obstacles.size(), 1u);
+}
+
+TEST(BookScenes, ObstaclesStandInTheBandOf8_4) {
+  constexpr double width = 1024, height = 768, ground = 100, radius = 20;
+  const auto obstacles = book_scene("particles_obstacles").setup.obstacles;
+  ASSERT_EQ(obstacles.size(), 1u + 15);
+  for (std::size_t i = 1; i < obstacles.size(); ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_EQ(obstacles[i].shape, models::ObstacleShape::cylinder);
+    EXPECT_EQ(obstacles[i].radius, radius);
+    EXPECT_EQ(obstacles[i].mass, 100);
+    EXPECT_GE(obstacles[i].center[0], width / 2 - 10 * radius);
+    EXPECT_LE(obstacles[i].center[0], width / 2 + 10 * radius);
+    EXPECT_GE(obstacles[i].center[1], ground + radius);
+    EXPECT_LE(obstacles[i].center[1], height / 2 - 4 * radius);
+  }
+}
+
 TEST(ShippedScenes, TheDocumentedExampleLoads) {
   std::ifstream file(repository / "docs" / "scenes.md");
   std::ostringstream text;

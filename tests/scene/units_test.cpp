@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "kernels/forces.hpp"
 #include "kernels/math.hpp"
 
 namespace salvo::scene {
@@ -37,6 +38,55 @@ TEST(Units, ConvertByExactFactors) {
   EXPECT_EQ(quantity("2 N s", "N s"), 2.0);
   EXPECT_EQ(quantity("50 %", ""), 0.5);
   EXPECT_EQ(quantity("10 Hz", "1/s"), 10.0);
+}
+
+TEST(Units, OfTable1_1) {  // 1.2: English units in SI
+  struct Row {
+    const char* english;
+    const char* si;
+    double factor, tolerance;
+  };
+  const Row rows[] = {{"1 ft/s^2", "m/s^2", 0.3048, 0},
+                      {"1 rad/s^2", "rad/s^2", 1, 0},
+                      {"1 slug/ft^3", "kg/m^3", 515.378818, 6e-7},
+                      {"1 lbf", "N", 4.4482216153, 6e-11},
+                      {"1 ft^2/s", "m^2/s", 0.09290304, 0},
+                      {"1 ft", "m", 0.3048, 0},
+                      {"1 slug", "kg", 14.5939029372, 6e-11},
+                      {"1 ft lbf", "N m", 1.3558179483, 6e-11},
+                      {"1 lbf ft s^2", "kg m^2", 1.3558179483, 6e-11},
+                      {"1 lbf/ft^2", "N/m^2", 47.88025898, 6e-9},
+                      {"1 s", "s", 1, 0},
+                      {"1 ft/s", "m/s", 0.3048, 0},
+                      {"1 rad/s", "rad/s", 1, 0},
+                      {"1 lbf s/ft^2", "N s/m^2", 47.88025898, 6e-9}};
+  for (const Row& row : rows) {
+    EXPECT_NEAR(quantity(row.english, row.si), row.factor, row.tolerance) << row.english;
+  }
+}
+
+TEST(Units, OfAKnot) {                                // 1.2
+  EXPECT_NEAR(quantity("1 kn", "m/s"), 0.514, 5e-4);  // printed
+  EXPECT_NEAR(quantity("10 kn", "m/s"), 5.14444, 6e-6);
+  const double feet = quantity("1 kn", "ft/s");
+  EXPECT_NEAR(feet * feet, 2.848702, 6e-7);  // 185 % too much for who forgets it, in feet
+  // Friction 1/2 rho V^2 S Cf of a hull of 50 m^2, Cf 0.002, in sea water at 10 knots.
+  using V = kernels::ScalarLane<double>;
+  const kernels::Vec3<V> flow{V(quantity("10 kn", "m/s")), V(0), V(0)};
+  const auto friction = kernels::quadratic_drag(flow, V(0.5 * 1025 * 50 * 0.002));
+  EXPECT_NEAR(-friction.x.value(), 1356.34, 1356.34e-5);
+}
+
+TEST(Units, OfTheGravitationalConstant) {  // 3.2: in ft^4/(lbf s^4); the printed one is 0.09 % off
+  EXPECT_NEAR(quantity("3.4391e-8 ft^4/lbf/s^4", "m^4/N/s^4"), 6.673e-11, 1e-15);
+  EXPECT_NEAR(quantity("3.436e-8 ft^4/lbf/s^4", "m^4/N/s^4"), 6.667e-11, 1e-14);
+}
+
+TEST(Units, OfTnt) {  // 18.4.2, A8.1, A8.2
+  const double charge = quantity("1 kg TNT", "J");
+  EXPECT_EQ(charge / quantity("400 J", "J"), 10460);  // rounds of 9 mm
+  EXPECT_NEAR(charge / 3, 1394666.667, 6e-4);         // what a third of it gives
+  EXPECT_NEAR(charge / 3 / 5, 278933.333, 6e-4);      // to each of five pieces
 }
 
 TEST(Units, NeverChangeTheResult) {
@@ -114,6 +164,8 @@ TEST(Units, WrongOnesAreNamed) {
   EXPECT_EQ(problem_of("5 metre", "m"), "unknown unit \"metre\" | expected a number in m");
   EXPECT_EQ(problem_of("5 fsp", "m/s"), "unknown unit \"fsp\" | did you mean \"fps\"?");
   EXPECT_EQ(problem_of("5 m^", "m"), "\"m^\" is no unit | a power is ^1 to ^9");
+  EXPECT_EQ(problem_of("5 m/", "m"), "\"m/\" is no unit | one unit follows each /");
+  EXPECT_EQ(problem_of("5 m//1", "m"), "\"m//1\" is no unit | one unit follows each /");
   EXPECT_EQ(problem_of("fast", "m/s"),
             "\"fast\" does not start with a number | expected a speed in m/s");
   EXPECT_EQ(problem_of("", "m"), "\"\" does not start with a number | expected a length in m");
