@@ -1,10 +1,11 @@
 // The five integrators: orders of convergence against exact solutions, Table 7-1 of the book to
 // every printed digit, and the stability that chapter 7 describes.   [Bourg &
-// Bywalec 4.1, 4.2, 7.1-7.3]
+// Bywalec 1.5, 4.1, 7.1-7.3]
 #include "integrators/fixed_step.hpp"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -138,6 +139,19 @@ TEST(ConstantAcceleration, IsExactForTheMethodsOfHigherOrder) {
   }
 }
 
+// 1.5: the distance that v = 2t covers in 4 s, 16 m, as a sum over n steps
+TEST(FiniteSum, ErrsBy16OverN) {
+  const auto distance = []<class Integrator>(int n, Integrator) {
+    return advance<Integrator>({0, 0}, 4.0 / n, n, [](double, double) { return 2.0; }).position;
+  };
+  EXPECT_EQ(distance(4, ExplicitEuler{}), 12);
+  EXPECT_NEAR(distance(40, ExplicitEuler{}), 15.6, 1e-12);
+  EXPECT_NEAR(distance(400, ExplicitEuler{}), 15.96, 1e-12);
+  // With the speed in the middle of each step, here the mean of its ends, none is left.
+  EXPECT_EQ(distance(4, VelocityVerlet{}), 16);
+  EXPECT_EQ(distance(4, ImprovedEuler{}), 16);
+}
+
 // ---- 7.2: the boat, T - C v = m a
 // -----------------------------------------------------------------
 
@@ -173,13 +187,15 @@ std::string percent(double value, const char* format) {
   return text;
 }
 
-double error_percent(double value, double t) { return 100 * std::abs(value / exact_speed(t) - 1); }
+double error_percent(double value, double t) { return 100 * (value / exact_speed(t) - 1); }
 
 // The mean of the errors at 6.5, 7, .. 8.5 s.
 template <class Integrator, class T = double>
 double average_error() {
   double sum = 0;
-  for (double t = 6.5; t <= 8.5; t += 0.5) sum += error_percent(sail<Integrator, T>(t).velocity, t);
+  for (double t = 6.5; t <= 8.5; t += 0.5) {
+    sum += std::abs(error_percent(sail<Integrator, T>(t).velocity, t));
+  }
   return sum / 5;
 }
 
@@ -207,18 +223,38 @@ TEST(Table7_1, EveryPrintedDigit) {
   }
 }
 
-TEST(Table7_1, ImprovedEulerAndRungeKutta) {
+TEST(Table7_1, EveryMethodToTenDigits) {
   struct Row {
-    double t, improved, runge_kutta;
+    double t, exact, euler, improved, runge_kutta;
   };
-  const Row rows[] = {{6.5, 9.5561481446, 9.5590840963},
-                      {7, 10.0652859226, 10.0682935467},
-                      {7.5, 10.5496032338, 10.5526685604},
-                      {8, 11.0103100762, 11.0134203273},
-                      {8.5, 11.4485574600, 11.4517009665}};
+  const Row rows[] = {{6.5, 9.559084464780, 9.7331583344, 9.5561481446, 9.5590840963},
+                      {7, 10.068293924172, 10.2465004177, 10.0652859226, 10.0682935467},
+                      {7.5, 10.552668945180, 10.7341753968, 10.5496032338, 10.5526685604},
+                      {8, 11.013420717656, 11.1974666270, 11.0103100762, 11.0134203273},
+                      {8.5, 11.451701361025, 11.6375932956, 11.4485574600, 11.4517009665}};
   for (const Row& row : rows) {
-    EXPECT_NEAR(sail<ImprovedEuler>(row.t).velocity, row.improved, 5e-11);
-    EXPECT_NEAR(sail<RungeKutta4>(row.t).velocity, row.runge_kutta, 5e-11);
+    EXPECT_NEAR(exact_speed(row.t), row.exact, 6e-13);
+    EXPECT_NEAR(sail<RungeKutta4>(row.t, 0.01).velocity, row.exact, 1e-12);
+    EXPECT_NEAR(sail<ExplicitEuler>(row.t).velocity, row.euler, 5.1e-11);
+    EXPECT_NEAR(sail<ImprovedEuler>(row.t).velocity, row.improved, 5.1e-11);
+    EXPECT_NEAR(sail<RungeKutta4>(row.t).velocity, row.runge_kutta, 5.1e-11);
+  }
+}
+
+TEST(Table7_1, ErrorsInPercent) {
+  struct Row {
+    double t, euler, improved, runge_kutta;
+  };
+  const Row rows[] = {{6.5, 1.821, -0.03072, -3.855e-6},
+                      {7, 1.770, -0.02988, -3.749e-6},
+                      {7.5, 1.720, -0.02905, -3.646e-6},
+                      {8, 1.671, -0.02824, -3.545e-6},
+                      {8.5, 1.623, -0.02745, -3.445e-6}};
+  for (const Row& row : rows) {
+    const auto error = [&](Line end) { return error_percent(end.velocity, row.t); };
+    EXPECT_NEAR(error(sail<ExplicitEuler>(row.t)), row.euler, 5.1e-4);
+    EXPECT_NEAR(error(sail<ImprovedEuler>(row.t)), row.improved, 5.1e-6);
+    EXPECT_NEAR(error(sail<RungeKutta4>(row.t)), row.runge_kutta, 5.1e-10);
   }
 }
 
@@ -233,6 +269,7 @@ TEST(Table7_1, AverageErrors) {
   EXPECT_NEAR((average_error<ExplicitEuler, float>()), 1.72107, 1e-4);
   EXPECT_NEAR((average_error<ImprovedEuler, float>()), 0.029065, 2e-5);
   EXPECT_LT((average_error<RungeKutta4, float>()), 1e-4);
+  EXPECT_NEAR((average_error<RungeKutta4, float>()), 1.306e-5, 5e-9);
 }
 
 TEST(Boat, FollowsTheClosedFormOfEachMethod) {
@@ -245,9 +282,33 @@ TEST(Boat, FollowsTheClosedFormOfEachMethod) {
   }
 }
 
+TEST(Boat, OrderOfTheSpeedAt8Seconds) {  // with steps of 0.5, 0.25 and 0.125 s and half of them
+  const auto expect = []<class Integrator>(Integrator, std::array<double, 3> orders) {
+    const auto error = [](double dt) {
+      return std::abs(sail<Integrator>(8, dt).velocity - exact_speed(8));
+    };
+    double dt = 0.5;
+    for (const double order : orders) {
+      EXPECT_NEAR(std::log2(error(dt) / error(dt / 2)), order, 0.006) << dt;
+      dt /= 2;
+    }
+  };
+  expect(ExplicitEuler{}, {1.02, 1.01, 1.00});
+  expect(ImprovedEuler{}, {2.03, 2.01, 2.01});
+  expect(RungeKutta4{}, {4.03, 4.02, 4.01});
+}
+
 // Position and velocity are one state. The book's listings advance the position with the new
-// velocity: Runge-Kutta would give 58.322 here.
+// velocity, which is of first order whatever the method: 5.1 % too far.
 TEST(Boat, DistanceIsOfTheMethodsOrderToo) {
+  const auto of_the_listing = []<class Integrator>(Integrator) {
+    double distance = 0;
+    for (int n = 1; n <= 17; ++n) distance += sail<Integrator>(n * boat_dt).velocity * boat_dt;
+    return distance;
+  };
+  EXPECT_NEAR(of_the_listing(ImprovedEuler{}), 58.303177, 5.1e-7);
+  EXPECT_NEAR(of_the_listing(RungeKutta4{}), 58.322053, 5.1e-7);
+  EXPECT_NEAR(of_the_listing(RungeKutta4{}) / sail<RungeKutta4>(8.5).position, 1.051, 5e-4);
   EXPECT_NEAR(exact_distance(8.5), 55.482986390, 5e-10);
   EXPECT_NEAR(sail<ExplicitEuler>(8.5).position, 53.624067, 5e-7);
   EXPECT_NEAR(sail<SemiImplicitEuler>(8.5).position, 59.442864, 5e-7);  // the book's Euler listing
@@ -299,12 +360,20 @@ TEST(Boat, IsStableUpToTheMethodsLimit) {  // SH5 and 7.2
   EXPECT_NEAR(speed(10, 1, ExplicitEuler{}), 20, 1e-12);
   EXPECT_NEAR(speed(19, 999, ExplicitEuler{}), 20, 1e-9);
   EXPECT_NEAR(speed(19, 999, ImprovedEuler{}), 20, 1e-9);
-  for (int n = 0; n < 9; ++n) EXPECT_EQ(speed(20, n, ExplicitEuler{}), n % 2 == 0 ? 0 : 40);
+  for (int n = 0; n < 9; ++n) {
+    EXPECT_EQ(speed(20, n, ExplicitEuler{}), n % 2 == 0 ? 0 : 40);
+    // Each step multiplies 20 - v by 1 - 2 + 2 = 1: neither closer nor away.
+    EXPECT_EQ(speed(20, n, ImprovedEuler{}), 0);
+  }
   EXPECT_GT(std::abs(speed(21, 333, ExplicitEuler{})), 1e12);
   EXPECT_GT(std::abs(speed(21, 333, ImprovedEuler{})), 1e12);
   EXPECT_GT(std::abs(speed(25, 99, ExplicitEuler{})), 1e12);
   EXPECT_NEAR(speed(27, 999, RungeKutta4{}), 20, 1e-9);
   EXPECT_GT(std::abs(speed(28, 9999, RungeKutta4{})), 1e12);
+  // At 2.785294 m/C a step leaves 20 - v as it is.
+  EXPECT_NEAR(1 - speed(27.85294, 1, RungeKutta4{}) / 20, 1, 1e-6);
+  EXPECT_NEAR(speed(27.85, 99'999, RungeKutta4{}), 20, 1e-9);
+  EXPECT_GT(std::abs(speed(27.86, 99'999, RungeKutta4{})), 1e12);
 }
 
 TEST(Boat, OfQuadraticDragHasTheSameTerminalSpeed) {  // SH6
@@ -371,6 +440,7 @@ TEST(Oscillator, AmplitudesAreThoseOfTheBook) {
   EXPECT_NEAR(swing<ExplicitEuler>(0.1, 100).amplitude, 1.644631822, 5e-10);
   EXPECT_NEAR(swing<ImprovedEuler>(0.1, 100).amplitude, 1.001250766, 5e-10);
   EXPECT_NEAR(swing<RungeKutta4>(0.1, 100).amplitude, 0.999999306, 5e-10);
+  EXPECT_NEAR(swing<ImprovedEuler>(0.3, 100).amplitude, 1.10644, 5.1e-6);  // 10.6 % in 100 steps
 }
 
 TEST(Oscillator, PositionsAreThoseOfTheBook) {
@@ -382,6 +452,9 @@ TEST(Oscillator, PositionsAreThoseOfTheBook) {
   EXPECT_NEAR(swing<ImprovedEuler>(0.1, 1000).position, 0.9459457, 5.1e-8);
   EXPECT_NEAR(swing<RungeKutta4>(0.1, 1000).position, 0.8622708, 5.1e-8);
   EXPECT_NEAR(swing<RungeKutta4>(0.5, 100).position, 0.9484380, 5.1e-8);
+  constexpr double fiftieth = 2 * 3.14159265358979323846 * 0.02;  // ten periods
+  EXPECT_NEAR(swing<ImprovedEuler>(fiftieth, 500).position, 1.0019822, 5.1e-8);
+  EXPECT_NEAR(swing<RungeKutta4>(fiftieth, 500).position, 0.9999863, 5.1e-8);
 }
 
 // Below w dt = 2 they stay bounded for ever, above they blow up: the book's Fig 7-5 shows explicit

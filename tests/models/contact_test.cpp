@@ -270,7 +270,15 @@ struct World {
 
 using D = Lane<double>;
 
-TEST(Impact, BilliardBalls) {
+TEST(Impact, BulletInABarrel) {  // 5.1: 150 g, from rest to 756 m/s within 0.8 ms
+  // The impulse that would stop it is the one that it was given.
+  const double impulse = number(kernels::normal_impulse(D(-756), D(0), D(1 / 0.15), D(0)));
+  EXPECT_NEAR(impulse, 113.4, 1e-12);
+  EXPECT_NEAR(impulse / 0.0008, 141750, 1e-9);  // N on average
+  EXPECT_NEAR(number(kernels::sticking_impulse_of_particle(D(0.15), D(756))), 113.4, 1e-12);
+}
+
+TEST(Impact, BilliardBalls) {  // 5.2
   const double m = 0.156;
   const Triple n{std::sqrt(3) / 2, -0.5, 0};  // from ball 1 to ball 2
   const double vrn = dot({6, 0, 0}, n);
@@ -285,60 +293,128 @@ TEST(Impact, BilliardBalls) {
   EXPECT_NEAR(v2[1], -2.468172401, 1e-9);
   EXPECT_NEAR((dot(v2, n) - dot(v1, n)) / vrn, 0.9, 1e-14);
   EXPECT_NEAR(m * (v1[0] + v2[0]), 0.936, 1e-14);
+  EXPECT_NEAR(m * (v1[1] + v2[1]), 0, 1e-15);
   const double kinetic = 0.5 * m * (dot(v1, v1) + dot(v2, v2));
   EXPECT_NEAR(kinetic, 2.60793, 1e-9);
+  // Of 2.808 J before; lost is 1/2 (m/2) (1 - e^2) vrn^2.
+  EXPECT_NEAR(2.808 - kinetic, 0.20007, 1e-9);
+  EXPECT_NEAR(2.808 - kinetic, 0.25 * m * (1 - 0.9 * 0.9) * vrn * vrn, 1e-14);
+  // Along the line of action and across it, where nothing changes and ball 2 gets nothing.
+  EXPECT_NEAR(dot(v1, n), 0.259808, 1e-6);
+  EXPECT_NEAR(dot(v2, n), 4.936345, 1e-6);
+  const Triple across{0.5, std::sqrt(3) / 2, 0};
+  EXPECT_NEAR(dot(v1, across), 3, 1e-14);
+  EXPECT_NEAR(dot(v2, across), 0, 1e-15);
+  // Printed, with 0.864 for the cosine of 30 degrees.
+  EXPECT_NEAR(vrn, 5.18, 0.02);
+  EXPECT_NEAR(dot(v2, n), 4.92, 0.02);
+  EXPECT_NEAR(dot(v1, n), 0.26, 0.02);
+  EXPECT_NEAR(v1[0], 1.72, 0.02);
+  EXPECT_NEAR(v1[1], 2.47, 0.02);
 }
 
-TEST(Impact, BaseballAndBat) {
-  const auto after = [](const Triple& n) {
-    const double vrn = dot(Triple{31, 0, 0} - Triple{-40, 0, 0}, n);
-    const double j = number(kernels::normal_impulse(D(vrn), D(0.46), D(1 / 1.02), D(1 / 0.15)));
+TEST(Impact, BaseballAndBat) {  // 5.2
+  const auto impulse = [](double vrn) {
+    return number(kernels::normal_impulse(D(vrn), D(0.46), D(1 / 1.02), D(1 / 0.15)));
+  };
+  const auto after = [&](const Triple& n) {
+    const double j = impulse(dot(Triple{31, 0, 0} - Triple{-40, 0, 0}, n));
     return std::pair{Triple{31, 0, 0} + j / 1.02 * n, Triple{-40, 0, 0} - j / 0.15 * n};
   };
-  const auto [bat, ball] = after({std::sqrt(1 - 35.0 * 35 / (72.0 * 72)), 35.0 / 72, 0});
+  const Triple exact{std::sqrt(1 - 35.0 * 35 / (72.0 * 72)), 35.0 / 72, 0};
+  EXPECT_NEAR(-impulse(71 * exact[0]), 11.846145, 1e-6);
+  const auto [bat, ball] = after(exact);
+  EXPECT_NEAR(dot(bat, exact), 15.476940, 1e-6);
+  EXPECT_NEAR(dot(ball, exact), 44.018417, 1e-6);
   EXPECT_NEAR(bat[0], 20.850676, 1e-6);
   EXPECT_NEAR(bat[1], -5.645630, 1e-6);
   EXPECT_NEAR(ball[0], 29.015402, 1e-6);
   EXPECT_NEAR(ball[1], 38.390283, 1e-6);
   EXPECT_NEAR(1.02 * bat[0] + 0.15 * ball[0], 25.62, 1e-12);
-  // The printed normal, not quite of unit length, and the printed results within their errors.
+  EXPECT_NEAR(1.02 * bat[1] + 0.15 * ball[1], 0, 1e-14);
+  // The printed normal, not quite of unit length.
   const Triple printed{0.875, 0.484, 0};
+  const auto along = [&](double speed) {
+    return number(dot(models::broadcast<D>({speed, 0, 0}), models::broadcast<D>(printed)));
+  };
+  EXPECT_NEAR(along(31), 27.125, 1e-14);
+  EXPECT_NEAR(along(-40), -35, 1e-14);
+  EXPECT_NEAR(along(71), 62.125, 1e-14);
   const auto [rough_bat, rough_ball] = after(printed);
-  EXPECT_NEAR(dot(rough_bat, printed), 15.4979, 1e-2);
-  EXPECT_NEAR(dot(rough_ball, printed), 44.0646, 1e-2);
+  EXPECT_NEAR(rough_bat[0], 20.8250, 6e-5);
+  EXPECT_NEAR(rough_bat[1], -5.6282, 6e-5);
+  EXPECT_NEAR(rough_ball[0], 29.1897, 6e-5);
+  EXPECT_NEAR(rough_ball[1], 38.2718, 6e-5);
+  EXPECT_NEAR(dot(rough_bat, printed), 15.497858, 1e-6);
+  EXPECT_NEAR(dot(rough_ball, printed), 44.064565, 1e-6);
+  const Triple across{0.484, -0.875, 0};
+  EXPECT_NEAR(dot(rough_bat, across), 15.004, 1e-12);
+  EXPECT_NEAR(dot(rough_ball, across), -19.36, 1e-12);
+  // From the printed 62.1 = 27.1 + 35.0 m/s, and the printed results within their errors.
+  EXPECT_NEAR(27.1 + impulse(62.1) / 1.02, 15.4762, 6e-5);
+  EXPECT_NEAR(-35 - impulse(62.1) / 0.15, 44.0422, 6e-5);
   EXPECT_NEAR(dot(rough_bat, printed), 15.7, 0.015 * 15.7);
   EXPECT_NEAR(dot(rough_ball, printed), 44.4, 0.01 * 44.4);
 }
 
-TEST(Impact, CornerDropAndRodsWithRotation) {
+TEST(Impact, CornerDropAndRodsWithRotation) {  // 5.3
   // Box 2 x 1 m, 2 kg, on its corner r = (1, -0.5); n.[((r x n)/I) x r] = (r x n)_z^2/I.
   const double inertia = 2 * (2.0 * 2 + 1) / 12;
   const double j = number(kernels::normal_impulse(D(-3), D(0.5), D(0.5), D(0), D(1 / inertia)));
   EXPECT_NEAR(j, 2.647058823529, 1e-12);
   EXPECT_NEAR(-3 + j / 2, -1.676470588235, 1e-12);
   EXPECT_NEAR(j / inertia, 3.176470588235, 1e-12);
+  // Impulse for a change of 1 m/s where they touch: the inverse of 1/m + 1/I = 1.7/kg.
+  const double unit = number(kernels::normal_impulse(D(-1), D(0), D(0.5), D(0), D(1 / inertia)));
+  EXPECT_NEAR(1 / unit, 1.7, 1e-14);
+  EXPECT_NEAR(-3 + j / 2 + j / inertia, 1.5, 1e-14);  // the corner's velocity
+  const double velocity = -3 + j / 2;
+  const double spin = j / inertia;
+  const double kinetic = 0.5 * 2 * velocity * velocity + 0.5 * inertia * spin * spin;
+  EXPECT_NEAR(kinetic, 7.014705882353, 1e-12);
+  EXPECT_NEAR(9 - kinetic, 1.985294117647, 1e-12);
   // Two rods; n from body 1 to body 2, so J is negative.
   const double i1 = 1 * 2 * 2 / 12.0;
   const double i2 = 3 * 2 * 2 / 12.0;
   const double rods = number(
       kernels::normal_impulse(D(2), D(0.7), D(1), D(1 / 3.0), D(0.8 * 0.8 / i1 + 0.6 * 0.6 / i2)));
   EXPECT_NEAR(rods, -0.940959409594, 1e-12);
-  EXPECT_NEAR(1 + rods, 0.059040590406, 1e-12);
-  EXPECT_NEAR(-1 - rods / 3, -0.686346863469, 1e-12);
-  EXPECT_NEAR(-0.8 * rods / i1, 2.258302583026, 1e-12);
+  const double unit_of_rods = number(
+      kernels::normal_impulse(D(-1), D(0), D(1), D(1 / 3.0), D(0.8 * 0.8 / i1 + 0.6 * 0.6 / i2)));
+  EXPECT_NEAR(1 / unit_of_rods, 3.613333333, 5e-10);
+  const double v1 = 1 + rods;
+  const double v2 = -1 - rods / 3;
+  const double w1 = -0.8 * rods / i1;
+  const double w2 = -0.6 * rods / i2;
+  EXPECT_NEAR(v1, 0.059040590406, 1e-12);
+  EXPECT_NEAR(v2, -0.686346863469, 1e-12);
+  EXPECT_NEAR(w1, 2.258302583026, 1e-12);
+  EXPECT_NEAR(w2, 0.564575645756, 1e-12);
+  EXPECT_NEAR(v1 + 3 * v2, -2, 1e-14);                               // momentum
+  EXPECT_NEAR(0.8 * v1 + i1 * w1 - 1.8 * v2 + i2 * w2, 2.6, 1e-14);  // about the contact
+  EXPECT_NEAR(0.5 * (v1 * v1 + 3 * v2 * v2 + i1 * w1 * w1 + i2 * w2 * w2), 1.717712177122, 1e-12);
 }
 
-TEST(Impact, FrictionOfAGolfBallIsCappedWhereItSticks) {
+TEST(Impact, FrictionOfAGolfBallIsCappedWhereItSticks) {  // 5.4
   const double m = 0.0459;
   const double r = 0.0214;
   const double inertia = 0.4 * m * r * r;
   const double normal = m * 60;
-  const auto spin = [&](double mu, double slip) {
+  const auto impulse = [&](double mu, double slip) {
     return number(kernels::friction_impulse(D(normal), D(mu),
-                                            kernels::sticking_impulse_of_sphere(D(m), D(slip)))) *
-           r / inertia;
+                                            kernels::sticking_impulse_of_sphere(D(m), D(slip))));
   };
+  const auto spin = [&](double mu, double slip) { return impulse(mu, slip) * r / inertia; };
   const double never_sticks = 1e6;
+  EXPECT_NEAR(impulse(0.1, never_sticks), 0.2754, 1e-14);
+  EXPECT_NEAR(impulse(0.4, never_sticks), 1.1016, 1e-14);
+  // tan phi = mu: how far the impulse leans from the normal, in degrees.
+  const auto lean = [&](double mu) {
+    return std::atan(impulse(mu, never_sticks) / normal) * 180 / kernels::pi;
+  };
+  EXPECT_NEAR(lean(0.1), 5.710593, 6e-7);
+  EXPECT_NEAR(lean(0.3), 16.699244, 6e-7);
+  EXPECT_NEAR(lean(0.4), 21.801409, 6e-7);
   EXPECT_NEAR(spin(0.1, never_sticks), 700.93458, 1e-5);
   EXPECT_NEAR(spin(0.3, never_sticks), 2102.80374, 1e-5);
   EXPECT_NEAR(spin(0.4, never_sticks), 2803.73832, 1e-5);
@@ -347,7 +423,7 @@ TEST(Impact, FrictionOfAGolfBallIsCappedWhereItSticks) {
   EXPECT_NEAR(spin(0.4, 20), 667.5567, 1e-4);
 }
 
-TEST(Impact, FrictionBetweenBilliardBallsIsEqualAndOpposite) {
+TEST(Impact, FrictionBetweenBilliardBallsIsEqualAndOpposite) {  // 5.4
   const double m = 0.156;
   const Triple n{-std::sqrt(3) / 2, 0.5, 0};  // from ball 2 to ball 1
   const double vrn = dot({6, 0, 0}, n);
@@ -362,7 +438,17 @@ TEST(Impact, FrictionBetweenBilliardBallsIsEqualAndOpposite) {
   EXPECT_NEAR(v1[1], 2.040672401, 1e-9);
   EXPECT_NEAR(v2[0], 4.521817240, 1e-9);
   EXPECT_NEAR(v2[1], -2.040672401, 1e-9);
-  EXPECT_NEAR(f * 0.0285 / (0.4 * m * 0.0285 * 0.0285), 43.301270, 1e-6);
+  // The listing, with the same sign on both balls, has a momentum of (0.8590, -0.1334).
+  EXPECT_NEAR(m * (v1[0] + v2[0]), 0.936, 1e-14);
+  EXPECT_NEAR(m * (v1[1] + v2[1]), 0, 1e-15);
+  // Both turn the same way: the lever changes its sign with the friction.
+  const double r = 0.0285;
+  const auto spin = [&](const Triple& lever, const Triple& friction) {
+    const auto moment = cross(models::broadcast<D>(lever), models::broadcast<D>(friction));
+    return number(moment.z) / (0.4 * m * r * r);
+  };
+  EXPECT_NEAR(spin(-r * n, -f * t), -43.301270, 1e-6);
+  EXPECT_NEAR(spin(r * n, f * t), -43.301270, 1e-6);
 }
 
 TEST(Impact, ParticleSticksWhenFrictionWouldTurnItAround) {
@@ -416,6 +502,8 @@ TEST(BookForce, OneImpactStep) {
   EXPECT_TRUE(world.step(m));
   EXPECT_NEAR(number(m.velocity.x), 3, 1e-12);
   EXPECT_NEAR(number(m.velocity.y), 12, 1e-12);
+  EXPECT_NEAR(1 * (number(m.velocity.y) + 20) / world.dt, 320, 1e-10);  // N on 1 kg
+  EXPECT_NEAR(number(kernels::normal_impulse(D(-20), D(0.6), D(1), D(0))), 32, 1e-13);
   EXPECT_NEAR(number(m.position.x), 5.3, 1e-12);
   EXPECT_NEAR(number(m.position.y), 101.3, 1e-12);
   EXPECT_EQ(number(world.count.impacts), 1);
@@ -488,23 +576,26 @@ models::ForceSettings book_forces(bool windy) {
   return forces;
 }
 
+template <class T>
 struct BookParticle {
+  using V = Lane<T>;
+
   models::ForceSettings settings;
   std::vector<Obstacle> obstacles;
-  Motion<D> m;
+  Motion<V> m;
 
+  static ParticleRow<V> row() { return {V(1), V(0.1), V(3.14159 * 0.1 * 0.1 * 0.6)}; }
   void run(int steps) {
-    const models::ParticleForces<D> forces(settings);
-    const ParticleRow<D> row{D(1), D(0.1), D(3.14159 * 0.1 * 0.1 * 0.6)};
-    const auto coefficients = forces.coefficients(row);
-    const std::array<double, models::gust_coefficients> still{};
-    const Contact<D> contact(obstacles, {ContactResponse::force, 4, false});
-    ContactCount<D> count;
+    const models::ParticleForces<V> forces(settings);
+    const auto coefficients = forces.coefficients(row());
+    const std::array<T, models::gust_coefficients> still{};
+    const Contact<V> contact(obstacles, {ContactResponse::force, 4, false});
+    ContactCount<V> count;
     for (int n = 0; n < steps; ++n) {
-      const auto hit = contact.book_force(m, row, D(0.1), D::Mask(true), count);
+      const auto hit = contact.book_force(m, row(), V(0.1), typename V::Mask(true), count);
       m = select(
           hit.mask, hit.motion,
-          integrators::SemiImplicitEuler::step(m, D(0.1), [&](auto position, auto velocity, auto) {
+          integrators::SemiImplicitEuler::step(m, V(0.1), [&](auto position, auto velocity, auto) {
             return forces.acceleration(position, velocity, coefficients, still.data());
           }));
     }
@@ -518,7 +609,12 @@ struct BookParticle {
 };
 
 TEST(BookForce, FallWithWindAndDrag) {
-  BookParticle p{book_forces(true), {}, motion<double>({0, 1000, 0}, {0, 0, 0})};
+  const models::ForceSettings settings = book_forces(true);
+  EXPECT_NEAR(number(models::ParticleForces<D>(settings)
+                         .coefficients(BookParticle<double>::row())
+                         .drag_factor),
+              0.0115924671, 6e-11);
+  BookParticle<double> p{settings, {}, motion<double>({0, 1000, 0}, {0, 0, 0})};
   p.run(1);
   p.expect(0.011592467, 999.902, 0.115924671, -0.98);
   p.run(9);
@@ -530,7 +626,7 @@ TEST(BookForce, FallWithWindAndDrag) {
   p.run(300);
   EXPECT_NEAR(number(p.m.velocity.x), 3.427411091, 1e-9);
   EXPECT_NEAR(number(p.m.velocity.y), -28.974530097, 1e-9);
-  BookParticle still{book_forces(false), {}, motion<double>({0, 1000, 0}, {0, 0, 0})};
+  BookParticle<double> still{book_forces(false), {}, motion<double>({0, 1000, 0}, {0, 0, 0})};
   still.run(50);
   EXPECT_NEAR(number(still.m.velocity.y), -27.272575035, 1e-9);
   still.run(50);
@@ -538,7 +634,7 @@ TEST(BookForce, FallWithWindAndDrag) {
 }
 
 TEST(BookForce, DropWithWindAndDrag) {
-  BookParticle p{book_forces(true), {book_ground}, motion<double>({0, 200, 0}, {0, 0, 0})};
+  BookParticle<double> p{book_forces(true), {book_ground}, motion<double>({0, 200, 0}, {0, 0, 0})};
   p.run(55);
   p.expect(12.309521817, 101.757339349, 3.267457802, 16.573393490);
   p.run(45);
@@ -548,9 +644,15 @@ TEST(BookForce, DropWithWindAndDrag) {
   EXPECT_NEAR(number(p.m.position.y), 100.148600809, 1e-8);
   p.run(100);
   p.expect(211.002774696, 100.025728538, 9.816544558, -1.228466478);
+  BookParticle<float> single{
+      book_forces(true), {book_ground}, motion<float>({0, 200, 0}, {0, 0, 0})};
+  single.run(300);
+  EXPECT_NEAR(number(single.m.position.x), 211.0027313, 1e-5);
+  EXPECT_NEAR(number(single.m.position.y), 100.0257263, 1e-5);
 }
 
 TEST(BookForce, ObstacleHeadOn) {
+  EXPECT_NEAR(number(kernels::normal_impulse(D(-10), D(0.6), D(1), D(0.01))), 15.841584158, 1e-9);
   BookWorld world{{book_obstacle({0, 200, 0}, 20)}, 0};
   auto m = motion<double>({0, 220, 0}, {0, -10, 0});
   EXPECT_TRUE(world.step(m));

@@ -1,5 +1,5 @@
 // Particle explosions: the book's kinematic one and the one with an energy budget.   [Bourg &
-// Bywalec 2.6, 18.4.1]
+// Bywalec 2.6, 18.4]
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -65,15 +65,23 @@ TEST(BookExplosion, PathsAreTheBooks) {  // PE1, A6.1, A6.2; y up
                       {45, 4, 212.132034, -27.867966},
                       {-45, 4, 212.1320344, -452.1320344}};
   for (const Row& row : rows) {
-    Flight flight(book_setup(), {0, 0, 0},
-                  {75 * std::cos(row.angle * degree), 75 * std::sin(row.angle * degree), 0});
-    const Particle p = flight.at_time(row.t);
-    EXPECT_NEAR(p.position[0], row.x, 6e-7) << row.angle << " deg, " << row.t << " s";
-    EXPECT_NEAR(p.position[1], row.y, 6e-7) << row.angle << " deg, " << row.t << " s";
+    const auto with_pi = [&](double value) {
+      const double angle = row.angle * value / 180;
+      Flight flight(book_setup(), {0, 0, 0}, {75 * std::cos(angle), 75 * std::sin(angle), 0});
+      return flight.at_time(row.t).position;
+    };
+    const auto p = with_pi(pi);
+    EXPECT_NEAR(p[0], row.x, 6e-7) << row.angle << " deg, " << row.t << " s";
+    EXPECT_NEAR(p[1], row.y, 6e-7) << row.angle << " deg, " << row.t << " s";
+    const auto books = with_pi(3.14159);  // of the listing
+    EXPECT_NEAR(books[0], p[0], 1e-3) << row.angle << " deg, " << row.t << " s";
+    EXPECT_NEAR(books[1], p[1], 1e-3) << row.angle << " deg, " << row.t << " s";
   }
 }
 
-TEST(BookExplosion, ALifeLastsItsWholeNumberOfFrames) {  // PE2: drawn ceil(life/10 ms) times
+// PE2, PE3: drawn ceil(life/10 ms) times, fading as 1 - age/life from 1 to a last value in (0, 10
+// ms/life].
+TEST(BookExplosion, ALifeLastsItsWholeNumberOfFrames) {
   struct Row {
     double life_ms;
     std::int64_t draws;
@@ -84,11 +92,19 @@ TEST(BookExplosion, ALifeLastsItsWholeNumberOfFrames) {  // PE2: drawn ceil(life
     setup.emitters[0].life = constant(row.life_ms / 1000);
     World world(setup, {});
     std::int64_t draws = 0;
+    double fade = 0;
     for (std::int64_t step = 0; step < 500; ++step) {
       world.advance_to(step);
-      draws += world.particles().rows() == 3 ? 1 : 0;
+      if (world.particles().rows() != 3) continue;
+      fade = 1 - 1000 * world.time() / row.life_ms;
+      if (draws == 0) {
+        EXPECT_EQ(fade, 1) << row.life_ms;
+      }
+      ++draws;
     }
     EXPECT_EQ(draws, row.draws) << row.life_ms;
+    EXPECT_GT(fade, 0) << row.life_ms;
+    EXPECT_LE(fade, 10 / row.life_ms + 1e-12) << row.life_ms;
   }
 }
 
@@ -283,11 +299,31 @@ TEST(EnergyExplosion, NeverExceedsItsBudget) {
 
 TEST(EnergyExplosion, EqualSharesHaveTheBooksSpeeds) {
   struct Row {
+    double mass, speed, tolerance;
+  };
+  for (const Row row : {Row{0.001, 150.5420, 6e-5}, Row{0.005, 67.32444, 6e-6},
+                        Row{0.010, 47.60557, 6e-6}, Row{0.25, 9.521113, 6e-7}}) {
+    for (const Particle& p : exploded(energy_explosion(50, EnergyShares::equal, row.mass))) {
+      EXPECT_NEAR(speed(p), row.speed, row.tolerance) << row.mass;
+    }
+  }
+  // The round that "holds about 400 J", in the listing's gravel of 0.25 kg.
+  for (const Particle& p : exploded(energy_explosion(50, EnergyShares::equal, 0.25, 400))) {
+    EXPECT_NEAR(speed(p), 8, 1e-10);
+  }
+}
+
+// 18.4.2, A8.3: of 1 kg of TNT a third goes to five pieces that do not spin.
+TEST(EnergyExplosion, EqualSharesOfAChargeHaveTheBooksSpeeds) {
+  struct Row {
     double mass, speed;
   };
-  for (const Row row : {Row{0.001, 150.5420}, Row{0.005, 67.32444}, Row{0.010, 47.60557}}) {
-    for (const Particle& p : exploded(energy_explosion(50, EnergyShares::equal, row.mass))) {
-      EXPECT_NEAR(speed(p), row.speed, 6e-5) << row.mass;
+  for (const Row row :
+       {Row{1, 746.904724}, Row{2, 528.141395}, Row{5, 334.025947}, Row{10, 236.192012}}) {
+    for (const Particle& p :
+         exploded(energy_explosion(5, EnergyShares::equal, row.mass, 4.184e6 / 3))) {
+      EXPECT_NEAR(speed(p), row.speed, 6e-7) << row.mass;
+      EXPECT_NEAR(p.mass * speed(p) * speed(p) / 2, 278933.333, 6e-4) << row.mass;
     }
   }
 }
@@ -307,7 +343,7 @@ TEST(EnergyExplosion, NoStoneIsFasterThanTheWholeBudget) {
 // Drawn one after the other from what is left: the n-th expects 1/3 (2/3)^(n-1) of the budget.
 TEST(EnergyExplosion, TheBooksSharesFallByAThird) {
   constexpr std::uint64_t runs = 20'000;
-  constexpr std::uint64_t stones = 5;
+  constexpr std::uint64_t stones = 10;
   solver::Setup setup = plain_setup();
   for (std::uint64_t run = 0; run < runs; ++run) {
     setup.emitters.push_back(energy_explosion(stones, EnergyShares::book));
@@ -322,10 +358,14 @@ TEST(EnergyExplosion, TheBooksSharesFallByAThird) {
     if (soa::serial_of(p.id) == 0) first_square += share * share / runs;
   }
   double wanted = 1 / 3.0;
+  double taken = 0;
   for (std::size_t n = 0; n < stones; ++n) {
     EXPECT_NEAR(mean[n], wanted, 5 * 0.2981 / std::sqrt(static_cast<double>(runs))) << n;
     wanted *= 2 / 3.0;
+    taken += mean[n];
   }
+  // The first ten take 98 %: 1 - (2/3)^10, with a deviation of ((8/15)^10 - (4/9)^10)^(1/2).
+  EXPECT_NEAR(taken, 0.98266, 5 * 0.0395 / std::sqrt(static_cast<double>(runs)));
   EXPECT_NEAR(std::sqrt(first_square - mean[0] * mean[0]), 0.298142, 0.005);
 }
 

@@ -1,11 +1,12 @@
 // The forces one by one: formulas, closed forms and statistics.   [Bourg &
-// Bywalec 3.1, 3.3, 3.5, 18.4.2]
+// Bywalec 1.1, 3.2-3.4, 3.6, 18.4.2]
 #include "kernels/forces.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "integrators/fixed_step.hpp"
 #include "models/particle.hpp"
 #include "solver/instants.hpp"
 #include "tests/physics/flight.hpp"
@@ -41,7 +42,42 @@ class Air {
 
 }  // namespace
 
-// ---- 3.1 gravity --------------------------------------------------------------------------------
+// ---- 1.1, 1.7 Newton's laws ---------------------------------------------------------------------
+
+TEST(Newton, AccelerationIsTheSumOfForcesOverMass) {  // N2: (3, 0, 0) + (1, -4, 2) N on 2 kg
+  solver::Setup setup = falling(0, 1);
+  setup.integrator = IntegratorKind::explicit_euler;
+  // A blast that lasts: J/tau = 3 N outward from (-1, 0, 0).
+  setup.forces.blasts = {{{-1, 0, 0}, 0, 3e9, 1e9, 1, 0}};
+  // Drag of 1 kg/s on a body at rest in a wind.
+  setup.forces.linear_drag = 1;
+  setup.forces.windy = true;
+  setup.forces.wind.velocity = {1, -4, 2};
+  const Particle p = Flight(setup, {0, 0, 0}, {0, 0, 0}, 2).after(1);
+  EXPECT_NEAR(p.velocity[0], 2, 1e-14);
+  EXPECT_NEAR(p.velocity[1], -2, 1e-14);
+  EXPECT_NEAR(p.velocity[2], 1, 1e-14);
+}
+
+TEST(Newton, APairThatAttractsEachOtherKeepsItsMomentum) {  // N1
+  using integrators::SemiImplicitEuler;
+  constexpr double m1 = 1;
+  constexpr double m2 = 3;
+  kernels::Motion<V> body1{lanes({-3, 0, 0}), lanes({0.25, -0.6, 0.3})};
+  kernels::Motion<V> body2{lanes({1, 0, 0}), lanes({0, 0.3, 0})};
+  const auto momentum = [&] { return plain(body1.velocity * V(m1) + body2.velocity * V(m2)); };
+  for (int n = 0; n < 100'000; ++n) {
+    const Vec on1 = kernels::point_gravity(body1.position, body2.position, V(m2), V(0.1));
+    const Vec on2 = kernels::point_gravity(body2.position, body1.position, V(m1), V(0.1));
+    body1 = SemiImplicitEuler::step(body1, V(0.01), [&](auto, auto, auto) { return on1; });
+    body2 = SemiImplicitEuler::step(body2, V(0.01), [&](auto, auto, auto) { return on2; });
+  }
+  EXPECT_NEAR(momentum()[0], 0.25, 1e-12);
+  EXPECT_NEAR(momentum()[1], 0.3, 1e-12);
+  EXPECT_NEAR(momentum()[2], 0.3, 1e-12);
+}
+
+// ---- 3.2 gravity --------------------------------------------------------------------------------
 
 TEST(PointGravity, IsTheBooksFieldOfTheEarth) {
   constexpr double gm = 6.673e-11 * 5.98e24;
@@ -58,6 +94,11 @@ TEST(PointGravity, IsTheBooksFieldOfTheEarth) {
   }
   EXPECT_NEAR(rows[0].g, 9.8, 0.05);              // printed
   EXPECT_NEAR(70 * rows[0].g, 686.244681, 6e-7);  // on 70 kg
+  // 70 kg pull the Earth as strongly.
+  const auto earth = plain(
+      kernels::point_gravity(lanes({0, 6.38e6, 0}), lanes({0, 0, 0}), V(6.673e-11 * 70), V(0)));
+  EXPECT_NEAR(-earth[1], 1.1476e-22, 5e-27);
+  EXPECT_NEAR(-earth[1] * 5.98e24, 686.244681, 6e-7);
 }
 
 TEST(PointGravity, PullsToItsCentreAndIsSoftened) {
@@ -94,8 +135,60 @@ TEST(UniformGravity, PullsInAnyDirection) {
   EXPECT_EQ(p.velocity, (std::array<double, 3>{3, -8, 0.5}));
 }
 
-// ---- 3.3 drag
-// -------------------------------------------------------------------------------------
+// ---- 3.3 dry friction: an obstacle has one coefficient ------------------------------------------
+
+namespace {
+
+// Speed, after a second, of a block of 10 kg pushed from rest along level ground.
+double speed_under_a_push(double force, double friction) {
+  solver::Setup setup = falling(9.81, 0.01);
+  setup.forces.gravity[0] = force / 10;
+  models::Obstacle ground;
+  ground.restitution = 0;
+  ground.friction = friction;
+  setup.obstacles = {ground};
+  return speed(Flight(setup, {0, 0, 0}, {0, 0, 0}, 10).at_time(1));
+}
+
+}  // namespace
+
+TEST(DryFriction, OfWoodHoldsUpToItsLimit) {  // F1: 37.278 N
+  EXPECT_EQ(speed_under_a_push(30, 0.38), 0);
+  EXPECT_EQ(speed_under_a_push(37, 0.38), 0);
+  EXPECT_EQ(speed_under_a_push(37.277, 0.38), 0);
+  EXPECT_GT(speed_under_a_push(37.279, 0.38), 0);
+  EXPECT_GT(speed_under_a_push(40, 0.38), 0);
+  const double a = speed_under_a_push(40, 0.2);
+  EXPECT_NEAR(a, 2.038, 1e-10);
+  EXPECT_NEAR(40 - 10 * a, 19.62, 1e-9);                        // N, of friction
+  EXPECT_NEAR(speed_under_a_push(37.278, 0.2), 1.7658, 1e-10);  // just past the limit
+}
+
+TEST(DryFriction, OfTable3_1) {
+  struct Row {
+    const char* surfaces;
+    double at_rest, sliding;
+    double percent;  // by which friction falls; the book prints 54 for glass
+  };
+  const Row rows[] = {{"dry glass on glass", 0.94, 0.4, 57.4},
+                      {"dry iron on iron", 1.1, 0.15, 86.4},
+                      {"dry rubber on pavement", 0.55, 0.4, 27.3},
+                      {"dry steel on steel", 0.78, 0.42, 46.2},
+                      {"dry Teflon on Teflon", 0.04, 0.04, 0},
+                      {"dry wood on wood", 0.38, 0.2, 47.4},
+                      {"ice on ice", 0.1, 0.03, 70},
+                      {"oiled steel on steel", 0.10, 0.08, 20}};
+  for (const Row& row : rows) {
+    const double limit = row.at_rest * 10 * 9.81;
+    EXPECT_EQ(speed_under_a_push(0.999 * limit, row.at_rest), 0) << row.surfaces;
+    EXPECT_GT(speed_under_a_push(1.001 * limit, row.at_rest), 0) << row.surfaces;
+    const double a = speed_under_a_push(limit, row.sliding);
+    EXPECT_NEAR(a, (row.at_rest - row.sliding) * 9.81, 1e-9) << row.surfaces;
+    EXPECT_NEAR(100 * a / (limit / 10), row.percent, 0.05) << row.surfaces;
+  }
+}
+
+// ---- 3.4 drag -----------------------------------------------------------------------------------
 
 TEST(Drag, OpposesTheFlow) {  // DR1
   const auto x = [](Vec v) { return v.x.value(); };
@@ -108,8 +201,25 @@ TEST(Drag, OpposesTheFlow) {  // DR1
   EXPECT_EQ(a, (std::array<double, 3>{-2 * 13 * 3, -2 * 13 * 4, -2 * 13 * 12}));
 }
 
-// ---- 3.5 buoyancy
-// ---------------------------------------------------------------------------------
+// ---- 3.6 buoyancy -------------------------------------------------------------------------------
+
+// BU1, BU2: a cube of 0.5 m, as the sphere of its volume, at any depth.
+TEST(Buoyancy, OfTheBooksCube) {
+  const double radius = std::cbrt(3 * 0.125 / (4 * pi));
+  EXPECT_NEAR(radius, 0.3101752454, 5e-11);
+  struct Row {
+    double density, force;
+  };
+  for (const Row row : {Row{1000, 1225}, Row{1025, 1255.625}, Row{1.225, 1.500625}}) {
+    for (const double height : {-2.25, -33.0}) {
+      solver::Setup setup = falling(9.8, 0.01);
+      setup.forces.buoyancy = true;
+      setup.forces.air_density = row.density;
+      const Particle p = Flight(setup, {0, height, 0}, {0, 0, 0}, 1, 0, radius).at_time(1);
+      EXPECT_NEAR(p.velocity[1] + 9.8, row.force, 1e-9) << row.density;
+    }
+  }
+}
 
 TEST(Buoyancy, OfABalloonInAir) {  // BU2: 6285.803301 N on a sphere of 5 m
   solver::Setup setup = falling(9.8, 0.01);

@@ -41,6 +41,7 @@ TEST(ParticleSimulator, FallsFreely) {  // 8.1: y_n = y0 - g dt^2 n (n + 1)/2
   setup.forces.quadratic_drag = false;
   Flight flight(setup, {0, 400, 0}, {0, 0, 0});
   EXPECT_NEAR(flight.after(10).position[1], 394.61, 1e-10);
+  EXPECT_NEAR(400 - 4.9 - flight.after(10).position[1], 0.49, 1e-10);  // too low: g dt t/2
   EXPECT_NEAR(flight.after(33).position[1], 400 - 9.8 * 0.01 * 33 * 34 / 2, 1e-10);
   Flight drop(setup, {0, 120, 0}, {0, 0, 0});  // the drop of 8.4 before its first impact
   EXPECT_NEAR(drop.after(18).position[1], 103.242, 1e-10);
@@ -65,8 +66,10 @@ TEST(ParticleSimulator, FallsWithDragAlone) {
   Flight flight(chapter8(0), {0, 1000, 0}, {0, 0, 0}, 1, drag_area);
   EXPECT_NEAR(flight.after(50).velocity[1], -27.272575035, 6e-10);
   EXPECT_NEAR(flight.after(100).velocity[1], -29.018518334, 6e-10);
-  EXPECT_NEAR(flight.after(900).velocity[1], -29.07536,
-              6e-6);  // terminal; 35.2 had pi been 2.14159
+  const double before = flight.after(899).position[1];
+  const Particle last = flight.after(900);
+  EXPECT_NEAR(last.velocity[1], -29.07536, 6e-6);        // terminal
+  EXPECT_NEAR(before - last.position[1], 2.9075, 5e-5);  // a step's way then
   // The exact solution at 5 s, which half the error of half the step approaches.
   solver::Setup fine = chapter8(0);
   fine.integrator = IntegratorKind::runge_kutta_4;
@@ -81,6 +84,25 @@ TEST(ParticleSimulator, WindForceIsTheBooks) {  // 1.15924671 N on 1 kg at rest
   Flight flight(setup, {0, 0, 0}, {0, 0, 0}, 1, drag_area);
   EXPECT_NEAR(flight.after(1).velocity[0] / 0.1, 1.15924671, 6e-9);
   EXPECT_EQ(flight.after(1).velocity[1], 0);
+}
+
+TEST(ParticleSimulator, TheMisprinted2_14159WouldShow) {  // the text's pi: 0.790247 N, 35.2153 m/s
+  constexpr double misprinted = drag_area * 2.14159 / 3.14159;
+  solver::Setup push = chapter8(10);
+  push.forces.gravity = {0, 0, 0};
+  EXPECT_NEAR(Flight(push, {0, 0, 0}, {0, 0, 0}, 1, misprinted).after(1).velocity[0] / 0.1,
+              0.790247, 6e-7);
+  Flight fall(chapter8(0), {0, 1000, 0}, {0, 0, 0}, 1, misprinted);
+  EXPECT_NEAR(fall.after(900).velocity[1], -35.2153, 6e-5);
+}
+
+TEST(ParticleSimulator, AreaIsTheBooks) {  // A = 0.0314159 m^2 of a sphere of 0.1 m, Cd 0.6
+  solver::Setup setup = chapter8(0);
+  setup.emitters = {particles_from(1, {0, 0, 0}, {0, 0, 0})};
+  setup.emitters[0].radius = constant(0.1);
+  setup.emitters[0].drag_coefficient = 0.6;
+  const solver::World world(setup, {solver::widest_isa(), 1, 1});
+  EXPECT_NEAR(read_particle(world.particles(), 0).drag_area / 0.6, 0.0314159, 5e-8);
 }
 
 TEST(ParticleSimulator, ZeroVelocityHasNoDrag) {

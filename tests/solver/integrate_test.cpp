@@ -1,0 +1,213 @@
+// Rows that are taken to their own ends: against exact solutions, and the same bits whatever they
+// run beside.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "solver/models.hpp"
+
+namespace salvo::tests {
+
+namespace {
+
+using soa::Precision;
+using solver::Batch;
+using solver::Integrated;
+using solver::Integration;
+using solver::Isa;
+using solver::Method;
+using solver::Outcome;
+
+Integration fixed(Method method, double step) {
+  Integration integration;
+  integration.method = method;
+  integration.step = step;
+  return integration;
+}
+
+Integration adaptive(Method method, double tolerance) {
+  Integration integration = fixed(method, 0.01);
+  integration.absolute_tolerance = integration.relative_tolerance = tolerance;
+  return integration;
+}
+
+// x(t) of the oscillator released at 1, w = 1.
+double error_of_oscillator(const Integration& integration, double end) {
+  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 1);
+  const Integrated result = batch.integrate(std::vector{end}, integration);
+  EXPECT_EQ(result.outcome[0], Outcome::time_limit);
+  EXPECT_EQ(result.time[0], end);
+  return std::hypot(batch.column<double>("x")[0] - std::cos(end),
+                    batch.column<double>("v")[0] + std::sin(end));
+}
+
+// Shots whose durations, drag and speeds all differ.
+constexpr std::size_t shots = 1000;
+
+Batch make_shots(Precision precision, std::vector<double>& end) {
+  Batch batch(&shot_in_air_kernels, precision, shots);
+  end.resize(shots);
+  const auto fill = [&]<class T>(T) {
+    for (std::size_t i = 0; i < shots; ++i) {
+      batch.column<T>("vx")[i] = static_cast<T>(300 + static_cast<double>(i * 7 % 501));
+      batch.column<T>("vy")[i] = static_cast<T>(static_cast<double>(i * 13 % 101));
+      batch.column<T>("wind_z")[i] = static_cast<T>(static_cast<double>(i % 11) - 5);
+      batch.column<T>("drag_factor")[i] = static_cast<T>(1e-4 * static_cast<double>(1 + i % 17));
+      end[i] = 0.1 + static_cast<double>(i * 31 % 97) / 50;
+    }
+  };
+  precision == Precision::single ? fill(0.0F) : fill(0.0);
+  return batch;
+}
+
+struct Finished {
+  std::string hash;
+  Integrated result;
+};
+
+Finished finish(Precision precision, const Integration& integration, Isa isa, int threads) {
+  std::vector<double> end;
+  Batch batch = make_shots(precision, end);
+  Integrated result = batch.integrate(end, integration, isa, threads);
+  return {to_string(batch.hash().total), std::move(result)};
+}
+
+}  // namespace
+
+TEST(Integrate, ConvergesWithTheOrderOfTheMethod) {
+  const struct {
+    Method method;
+    double order;
+  } cases[] = {{Method::runge_kutta_4, 4}, {Method::tsitouras_5, 5}, {Method::dormand_prince_5, 5}};
+  for (const auto& [method, order] : cases) {
+    const double coarse = error_of_oscillator(fixed(method, 1.0 / 16), 10);
+    const double fine = error_of_oscillator(fixed(method, 1.0 / 32), 10);
+    EXPECT_NEAR(std::log2(coarse / fine), order, 0.1);
+  }
+}
+
+TEST(Integrate, AFixedStepThatDoesNotDivideTheTimeIsShortenedAtTheEnd) {
+  EXPECT_LT(error_of_oscillator(fixed(Method::dormand_prince_5, 0.03), 1), 1e-9);
+  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 3);
+  const Integrated result =
+      batch.integrate(std::vector{1.0, 0.1, 0.01}, fixed(Method::runge_kutta_4, 0.03));
+  EXPECT_EQ(result.steps, (std::vector<std::uint32_t>{34, 4, 1}));
+}
+
+TEST(Integrate, ErrorFollowsTheTolerance) {
+  for (const Method method : {Method::tsitouras_5, Method::dormand_prince_5}) {
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+      // Ten periods; the errors of some hundred steps add up.
+      const double error = error_of_oscillator(adaptive(method, tolerance), 20 * M_PI);
+      EXPECT_LT(error, 100 * tolerance);
+      EXPECT_GT(error, tolerance / 100);
+    }
+  }
+}
+
+TEST(Integrate, StiffDampingOnlyCostsSteps) {
+  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 1);
+  batch.column<double>("frequency")[0] = 10;
+  batch.column<double>("damping")[0] = 20;
+  batch.integrate(std::vector{5.0}, adaptive(Method::dormand_prince_5, 1e-8));
+  // x = (r2 e^(r1 t) - r1 e^(r2 t)) / (r2 - r1), r = w (-d +- sqrt(d^2 - 1))
+  const double r1 = 10 * (-20 + std::sqrt(399.0));
+  const double r2 = 10 * (-20 - std::sqrt(399.0));
+  const double exact = (r2 * std::exp(r1 * 5) - r1 * std::exp(r2 * 5)) / (r2 - r1);
+  EXPECT_NEAR(batch.column<double>("x")[0], exact, 1e-7);
+}
+
+TEST(Integrate, AShotReachesItsTerminalVelocity) {
+  Batch batch(&shot_in_air_kernels, Precision::twice, 1);
+  batch.column<double>("drag_factor")[0] = 0.01;
+  batch.integrate(std::vector{100.0}, adaptive(Method::dormand_prince_5, 1e-10));
+  EXPECT_NEAR(batch.column<double>("vy")[0], -std::sqrt(9.80665 / 0.01), 1e-6);
+}
+
+TEST(Integrate, HasOneHashForEveryInstructionSetAndThreadCount) {
+  for (const Precision precision : {Precision::single, Precision::twice}) {
+    const double tolerance = precision == Precision::single ? 1e-4 : 1e-9;
+    for (const Integration& integration :
+         {fixed(Method::runge_kutta_4, 0.01), fixed(Method::tsitouras_5, 0.01),
+          adaptive(Method::tsitouras_5, tolerance),
+          adaptive(Method::dormand_prince_5, tolerance)}) {
+      const Finished reference = finish(precision, integration, Isa::scalar, 1);
+      for (const Isa isa : solver::available_isas()) {
+        for (const int threads : {1, 2, 3, 13}) {
+          const Finished same = finish(precision, integration, isa, threads);
+          EXPECT_EQ(same.hash, reference.hash) << name(isa) << ", " << threads << " threads";
+          EXPECT_EQ(same.result.steps, reference.result.steps);
+          EXPECT_EQ(same.result.time, reference.result.time);
+        }
+      }
+    }
+  }
+}
+
+TEST(Integrate, ARowAloneHasTheBitsThatItHasAmongOthers) {
+  const Integration integration = adaptive(Method::dormand_prince_5, 1e-9);
+  std::vector<double> end;
+  Batch all = make_shots(Precision::twice, end);
+  all.integrate(end, integration);
+  for (const std::size_t row : {0, 1, 500, 998, 999}) {
+    Batch source = make_shots(Precision::twice, end);
+    Batch alone(&shot_in_air_kernels, Precision::twice, 1);
+    for (const auto* field : {"x", "y", "z", "vx", "vy", "vz", "drag_factor", "wind_z"}) {
+      alone.column<double>(field)[0] = source.column<double>(field)[row];
+    }
+    alone.integrate(std::vector{end[row]}, integration);
+    for (const auto* field : {"x", "y", "z", "vx", "vy", "vz"}) {
+      EXPECT_EQ(alone.column<double>(field)[0], all.column<double>(field)[row]) << field;
+    }
+  }
+}
+
+TEST(Integrate, LanesAreRefilled) {
+  // Durations from 0.1 to 2 s: without refilling, four packs would wait for their longest row.
+  std::vector<double> end;
+  Batch batch = make_shots(Precision::twice, end);
+  const Integrated result = batch.integrate(end, fixed(Method::runge_kutta_4, 1e-3));
+  EXPECT_GT(result.simd_efficiency, 0.9);
+  EXPECT_LE(result.simd_efficiency, 1);
+}
+
+TEST(Integrate, TellsWhyARowEnded) {
+  Batch batch(&lorenz_kernels, Precision::twice, 3);
+  batch.column<double>("sigma")[1] = 1e8;  // explodes at this step
+  batch.column<double>("x")[1] = 1e8;
+  Integration integration = fixed(Method::runge_kutta_4, 0.01);
+  integration.most_steps = 500;
+  const Integrated result = batch.integrate(std::vector{1.0, 1.0, 10.0}, integration);
+  EXPECT_EQ(result.outcome[0], Outcome::time_limit);
+  EXPECT_EQ(result.outcome[1], Outcome::not_finite);
+  EXPECT_EQ(result.outcome[2], Outcome::step_limit);
+  EXPECT_EQ(result.steps[2], 500U);
+  EXPECT_NEAR(result.time[2], 5, 1e-12);
+  EXPECT_LT(result.time[1], 1);
+}
+
+TEST(Integrate, AStepBelowTheSmallestEndsTheRowAtItsLastGoodState) {
+  Batch batch(&lorenz_kernels, Precision::twice, 1);
+  Integration integration = adaptive(Method::tsitouras_5, 1e-12);
+  integration.smallest_step = 0.005;
+  const Integrated result = batch.integrate(std::vector{10.0}, integration);
+  EXPECT_EQ(result.outcome[0], Outcome::smallest_step);
+  EXPECT_TRUE(std::isfinite(batch.column<double>("x")[0]));
+}
+
+TEST(Integrate, RefusesWhatCannotBe) {
+  Batch batch(&lorenz_kernels, Precision::twice, 2);
+  const std::vector<double> end{1.0, 1.0};
+  const Integration good = fixed(Method::runge_kutta_4, 0.01);
+  EXPECT_THROW(batch.integrate(std::vector{1.0}, good), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(std::vector{1.0, -1.0}, good), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(std::vector{1.0, std::nan("")}, good), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(end, fixed(Method::runge_kutta_4, 0)), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(end, adaptive(Method::runge_kutta_4, 1e-6)), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(end, adaptive(Method::tsitouras_5, -1)), std::invalid_argument);
+}
+
+}  // namespace salvo::tests
