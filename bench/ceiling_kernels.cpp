@@ -22,7 +22,8 @@ void stream(const StreamColumns<T>& columns, std::size_t first, std::size_t last
 template <class T>
 double multiply_add(std::size_t rounds) {
   using V = kernels::NativeLane<T>;
-  V packs[8] = {V(0.1), V(0.2), V(0.3), V(0.4), V(0.5), V(0.6), V(0.7), V(0.8)};
+  V packs[peak_packs];
+  for (std::size_t i = 0; i < peak_packs; ++i) packs[i] = V(0.1 * static_cast<double>(i));
   const V scale(0.999);
   const V offset(1e-3);
   for (std::size_t i = 0; i < rounds; ++i) {

@@ -15,11 +15,14 @@ struct StreamColumns {
   const T* read[2];
 };
 
+/// Independent packs of the multiply-add peak: enough to hide the latency of both operations on two
+/// units each, few enough for sixteen registers.
+inline constexpr std::size_t peak_packs = 12;
+
 struct CeilingKernels {
   void (*stream_single)(const StreamColumns<float>&, std::size_t first, std::size_t last);
   void (*stream_twice)(const StreamColumns<double>&, std::size_t first, std::size_t last);
-  /// `rounds` rounds of one multiply and one add in 8 independent packs; returns lanes x 16 x
-  /// rounds flops' result.
+  /// `rounds` rounds of one multiply and one add in each of `peak_packs` packs.
   double (*multiply_add_single)(std::size_t rounds);
   double (*multiply_add_twice)(std::size_t rounds);
   std::size_t width_single;

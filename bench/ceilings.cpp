@@ -22,9 +22,11 @@ extern const CeilingKernels ceiling_kernel_table;
 namespace avx2 {
 extern const CeilingKernels ceiling_kernel_table;
 }
+#ifndef SALVO_NO_AVX512
 namespace avx512 {
 extern const CeilingKernels ceiling_kernel_table;
 }
+#endif
 #elif defined(__aarch64__)
 namespace neon {
 extern const CeilingKernels ceiling_kernel_table;
@@ -40,8 +42,10 @@ const CeilingKernels& ceiling_kernels(solver::Isa isa) {
       return sse2::ceiling_kernel_table;
     case solver::Isa::avx2:
       return avx2::ceiling_kernel_table;
+#ifndef SALVO_NO_AVX512
     case solver::Isa::avx512:
       return avx512::ceiling_kernel_table;
+#endif
 #elif defined(__aarch64__)
     case solver::Isa::neon:
       return neon::ceiling_kernel_table;
@@ -53,6 +57,11 @@ const CeilingKernels& ceiling_kernels(solver::Isa isa) {
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
 }
 
 std::string name(soa::Precision precision) {
@@ -216,7 +225,8 @@ void register_ceilings() {
               best = std::min(best, now() - start);
             }
             const std::size_t width = single ? kernels.width_single : kernels.width_twice;
-            state.counters["flops_per_second"] = static_cast<double>(rounds * width * 16) / best;
+            state.counters["flops_per_second"] =
+                static_cast<double>(rounds * width * peak_packs * 2) / best;
           })
           ->Unit(benchmark::kMillisecond);
     }

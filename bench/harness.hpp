@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include <string>
+#include <vector>
 
 #include "bench/ceiling_kernels.hpp"
 #include "solver/world.hpp"
@@ -12,6 +13,8 @@ namespace salvo::bench {
 
 /// Seconds on the steady clock.
 double now();
+
+double median(std::vector<double> values);
 
 std::string name(soa::Precision precision);
 
@@ -23,8 +26,7 @@ solver::World& free_world(soa::Precision precision, std::size_t rows);
 solver::World& obstacle_world(soa::Precision precision, std::size_t rows);
 void drop_worlds();
 
-/// One sweep of read-modify-write over the world's columns, on `threads` threads, widest
-/// instruction set.
+/// One sweep of read-modify-write over the world's columns, widest instruction set.
 void stream_once(solver::World& world, const solver::Parallel& parallel);
 /// Bytes that one sweep reads and writes.
 double stream_bytes(const solver::World& world);
@@ -38,6 +40,7 @@ void register_ceilings();
 void register_baseline();
 void register_particles();
 void register_state_hash();
+void register_trajectories();
 void register_recorded();
 
 }  // namespace salvo::bench

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   register_baseline();
   register_particles();
   register_state_hash();
+  register_trajectories();
 #ifdef SALVO_BENCH_RECORDED
   register_recorded();
 #endif

@@ -16,11 +16,6 @@ namespace {
 // velocity 6, position 6.
 constexpr double flops_per_step = 29;
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 struct Row {
   std::string kind;
   solver::World& (*world)(soa::Precision, std::size_t);

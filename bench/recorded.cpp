@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t rows = 1 << 20;
 constexpr std::int64_t every = 64;
-constexpr std::int64_t frames = 12;
+constexpr std::int64_t frames = 32;
 
 scene::Scene recorded_scene() {
   scene::Scene scene;
@@ -80,11 +80,6 @@ double seconds_written(const std::filesystem::path& folder, std::uint64_t bytes)
     ::close(file);
   }
   return now() - start;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "kernels/lane.hpp"
+#include "kernels/array.hpp"
 
 namespace salvo::integrators {
 inline namespace SALVO_ISA {
@@ -14,9 +14,7 @@ inline namespace SALVO_ISA {
 template <class V, std::size_t N, class Rate>
 std::array<V, N> runge_kutta_4(const std::array<V, N>& y, V t, V dt, const Rate& rate) {
   const auto moved = [&](const std::array<V, N>& slope, V by) {
-    std::array<V, N> result;
-    for (std::size_t i = 0; i < N; ++i) result[i] = y[i] + slope[i] * by;
-    return result;
+    return kernels::array_of<N>([&](std::size_t i) { return y[i] + slope[i] * by; });
   };
   const V half = dt * V(0.5);
   const std::array<V, N> k1 = rate(t, y);
@@ -24,11 +22,8 @@ std::array<V, N> runge_kutta_4(const std::array<V, N>& y, V t, V dt, const Rate&
   const std::array<V, N> k3 = rate(t + half, moved(k2, half));
   const std::array<V, N> k4 = rate(t + dt, moved(k3, dt));
   const V sixth = dt / V(6);
-  std::array<V, N> result;
-  for (std::size_t i = 0; i < N; ++i) {
-    result[i] = y[i] + (k1[i] + (k2[i] + k3[i]) * V(2) + k4[i]) * sixth;
-  }
-  return result;
+  return kernels::array_of<N>(
+      [&](std::size_t i) { return y[i] + (k1[i] + (k2[i] + k3[i]) * V(2) + k4[i]) * sixth; });
 }
 
 }  // namespace SALVO_ISA

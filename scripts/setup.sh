@@ -8,7 +8,7 @@ set -eu
 # One list a group; the design says what each is for. python3-vtk9 cannot be installed beside python3-paraview.
 build="cmake ninja-build g++ libxsimd-dev libsleef-dev libtbb-dev libxxhash-dev libtomlplusplus-dev libfmt-dev
   libeigen3-dev librandom123-dev libhdf5-dev zlib1g-dev libcli11-dev nlohmann-json3-dev"
-bench="libbenchmark-dev python3"
+bench="libbenchmark-dev libboost-dev python3"
 test="libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
   python3 python3-numpy python3-h5py python3-vtk9"
 clang="clang"

@@ -1,11 +1,12 @@
-// A batch: many independent copies of one model, a row each, advanced by fixed steps. The model may
-// be a user's own: one header, one source that salvo_add_kernels compiles once per instruction set
-// (solver/batch_kernel.hpp), and this.
+// A batch: many independent copies of one model, a row each, advanced together by fixed steps or
+// each to its own end by steps of its own. The model may be a user's own: one header, one source
+// that salvo_add_kernels compiles once per instruction set (solver/batch_kernel.hpp), and this.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "soa/table.hpp"
@@ -29,12 +30,64 @@ struct BatchPass {
   std::int64_t steps = 0;
 };
 
+enum class Method { runge_kutta_4, tsitouras_5, dormand_prince_5 };
+
+/// How each row is taken to its own end.
+struct Integration {
+  Method method = Method::dormand_prince_5;
+  double step = 0;  ///< s; every step, or with tolerances the first one tried
+  /// Both zero: fixed steps. Else a step is repeated with a shorter one until the largest component
+  /// of its error is at most absolute + relative |y|. Needs a method with an embedded one.
+  double absolute_tolerance = 0;
+  double relative_tolerance = 0;
+  double smallest_step = 0;             ///< s; a row that needs a shorter one ends there
+  std::int64_t most_steps = 1'000'000;  ///< tried steps; a row that needs more ends there
+};
+
+/// Why a row ended.
+enum class Outcome : std::uint8_t {
+  time_limit,    ///< it reached its end
+  step_limit,    ///< it took Integration::most_steps
+  not_finite,    ///< its state overflowed or became NaN with the step that fails
+  smallest_step  ///< its error wanted a step below Integration::smallest_step
+};
+
+std::string_view name(Outcome outcome);
+
+/// Rows [first_row, last_row) to be taken to their ends.
+template <class T>
+struct IntegratePass {
+  std::size_t first_row = 0;
+  std::size_t last_row = 0;
+  T* const* state = nullptr;
+  const T* const* parameters = nullptr;
+  const double* end = nullptr;  ///< s, for each row
+  double* time = nullptr;       ///< where it ended
+  Outcome* outcome = nullptr;
+  std::uint32_t* steps = nullptr;  ///< tried
+  double t0 = 0;
+  Integration integration;
+  /// Steps of lanes that had a row, and of all lanes.
+  std::uint64_t useful_steps = 0;
+  std::uint64_t lane_steps = 0;
+};
+
 /// A model's kernels on one instruction set, and its fields.
 struct BatchKernels {
   std::span<const soa::Field> state_fields;
   std::span<const soa::Field> parameter_fields;
   void (*advance_single)(const BatchPass<float>&);
   void (*advance_twice)(const BatchPass<double>&);
+  void (*integrate_single)(IntegratePass<float>&);
+  void (*integrate_twice)(IntegratePass<double>&);
+};
+
+/// What Batch::integrate tells of the rows, by row.
+struct Integrated {
+  std::vector<double> time;  ///< s; where the row ended
+  std::vector<Outcome> outcome;
+  std::vector<std::uint32_t> steps;  ///< tried
+  double simd_efficiency = 0;        ///< the part of the lanes' steps that had a row to step
 };
 
 /// Looks a model's kernels up by instruction set: what SALVO_DECLARE_MODEL(name) declares as
@@ -61,10 +114,27 @@ class Batch {
                int threads = hardware_threads());
   std::int64_t step() const { return step_; }
 
+  /// Takes each row from t0 to `end[row]`, in s, by itself: a row's bits do not depend on the
+  /// others, on `isa` or on `threads`. Lanes whose row has ended take up the next one. Throws
+  /// std::invalid_argument.
+  Integrated integrate(std::span<const double> end, const Integration& integration,
+                       Isa isa = widest_isa(), int threads = hardware_threads());
+
   StateHash hash() const;
 
  private:
+  template <class T>
+  struct Columns {
+    std::vector<T*> state;
+    std::vector<const T*> parameters;
+  };
+
   std::size_t field_index(std::string_view name) const;
+  template <class T>
+  Columns<T> columns_of(const BatchKernels& kernels);
+  template <class T>
+  void integrate_rows(const BatchKernels& kernels, std::span<const double> end,
+                      const Integration& integration, int threads, Integrated& result);
   template <class T>
   void advance_rows(const BatchKernels& kernels, std::int64_t steps, double dt, int threads);
 

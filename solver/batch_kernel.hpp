@@ -18,9 +18,18 @@
 #include "integrators/runge_kutta.hpp"
 #include "soa/column.hpp"
 #include "solver/batch.hpp"
+#include "solver/lane_refill.hpp"
 
 namespace salvo::solver {
 inline namespace SALVO_ISA {
+
+/// Batches hold one real number a field.
+constexpr bool scalar_fields(const auto& fields) {
+  for (const soa::Field& field : fields) {
+    if (field.components != 1 || field.scalar != soa::Scalar::real) return false;
+  }
+  return true;
+}
 
 template <template <class> class Model, class T>
 void advance_batch(const BatchPass<T>& pass) {
@@ -28,6 +37,7 @@ void advance_batch(const BatchPass<T>& pass) {
   using M = Model<V>;
   constexpr std::size_t states = M::state_fields.size();
   constexpr std::size_t parameters = M::parameter_fields.size();
+  static_assert(scalar_fields(M::state_fields) && scalar_fields(M::parameter_fields));
   const M model{};
   const V dt(pass.dt);
   for (std::size_t row = pass.first_row; row < soa::padded(pass.last_row); row += V::width) {
@@ -50,13 +60,16 @@ void advance_batch(const BatchPass<T>& pass) {
 #define SALVO_JOIN_2(A, B) A##_##B
 #define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
 
-#define SALVO_DEFINE_MODEL(NAME, MODEL)                                                           \
-  namespace salvo_models {                                                                        \
-  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);                           \
-  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){                                  \
-      MODEL<salvo::kernels::NativeLane<float>>::state_fields,                                     \
-      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,                                 \
-      &salvo::solver::advance_batch<MODEL, float>, &salvo::solver::advance_batch<MODEL, double>}; \
+#define SALVO_DEFINE_MODEL(NAME, MODEL)                                 \
+  namespace salvo_models {                                              \
+  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA); \
+  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){        \
+      MODEL<salvo::kernels::NativeLane<float>>::state_fields,           \
+      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,       \
+      &salvo::solver::advance_batch<MODEL, float>,                      \
+      &salvo::solver::advance_batch<MODEL, double>,                     \
+      &salvo::solver::integrate_batch<MODEL, float>,                    \
+      &salvo::solver::integrate_batch<MODEL, double>};                  \
   }
 
 #if defined(__aarch64__)

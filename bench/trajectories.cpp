@@ -1,0 +1,159 @@
+// Trajectories a second, each by itself to its own end: fixed steps of a shot with drag and of the
+// Lorenz equations, and rows whose durations are spread tenfold; beside Boost.odeint on the same
+// problems, in the same run.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "bench/harness.hpp"
+#include "solver/models.hpp"
+#ifdef SALVO_BENCH_ODEINT
+#include "bench/odeint_peer.hpp"
+#endif
+
+namespace salvo::bench {
+
+namespace {
+
+using solver::Batch;
+using solver::Integration;
+using solver::Isa;
+using solver::Method;
+
+constexpr std::size_t rows = 16384;
+constexpr std::int64_t steps = 1000;
+
+double drag_factor(std::size_t row) { return 1e-4 * (1 + static_cast<double>(row % 64) / 64); }
+double speed(std::size_t row) { return 200 + static_cast<double>(row * 37 % rows) / 32; }
+double rho(std::size_t row) { return 21 * static_cast<double>(row + 1) / rows; }
+
+Batch drag_shots() {
+  Batch batch(&shot_in_air_kernels, soa::Precision::twice, rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    batch.column<double>("vx")[row] = speed(row);
+    batch.column<double>("vy")[row] = speed(row) / 4;
+    batch.column<double>("drag_factor")[row] = drag_factor(row);
+  }
+  return batch;
+}
+
+Batch lorenz_systems() {
+  Batch batch(&lorenz_kernels, soa::Precision::twice, rows);
+  for (std::size_t row = 0; row < rows; ++row) batch.column<double>("rho")[row] = rho(row);
+  return batch;
+}
+
+struct Problem {
+  std::string name;
+  Batch (*make)();
+  Method method;
+  double dt;
+  double shortest;  // of the durations over the longest, which takes `steps` steps
+  bool counts_steps;
+};
+
+const std::vector<Problem>& problems() {
+  static const std::vector<Problem> all = {
+      {"rk4_drag", &drag_shots, Method::runge_kutta_4, 1e-2, 1, true},
+      {"lorenz_tsit5", &lorenz_systems, Method::tsitouras_5, 1e-3, 1, false},
+      {"mixed_durations", &drag_shots, Method::runge_kutta_4, 1e-2, 0.1, true},
+  };
+  return all;
+}
+
+std::vector<double> ends_of(const Problem& problem) {
+  std::vector<double> end(rows);
+  const double longest = problem.dt * static_cast<double>(steps);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double part = static_cast<double>(row * 7919 % rows) / rows;
+    end[row] = longest * (problem.shortest + (1 - problem.shortest) * part);
+  }
+  return end;
+}
+
+void measure(benchmark::State& state, const Problem& problem, Isa isa, int threads) {
+  const std::vector<double> end = ends_of(problem);
+  Integration integration;
+  integration.method = problem.method;
+  integration.step = problem.dt;
+  double taken = 0;
+  double efficiency = 0;
+  std::vector<double> seconds;
+  for (auto _ : state) {
+    state.PauseTiming();
+    Batch batch = problem.make();
+    state.ResumeTiming();
+    const double start = now();
+    const solver::Integrated result = batch.integrate(end, integration, isa, threads);
+    seconds.push_back(now() - start);
+    efficiency = result.simd_efficiency;
+    taken = std::accumulate(result.steps.begin(), result.steps.end(), 0.0);
+    state.SetLabel(to_string(batch.hash().total));
+  }
+  const double typical = median(seconds);
+  state.counters["items_per_second"] =
+      (problem.counts_steps ? taken : static_cast<double>(rows)) / typical;
+  state.counters["steps_per_second"] = taken / typical;
+  state.counters["simd_efficiency"] = efficiency;
+}
+
+#ifdef SALVO_BENCH_ODEINT
+void measure_peer(benchmark::State& state, const Problem& problem) {
+  constexpr std::size_t peer_rows = rows / 16;
+  std::vector<double> seconds;
+  double kept = 0;
+  for (auto _ : state) {
+    double start = 0;
+    if (problem.name == "rk4_drag") {
+      std::vector<PeerShot> shots(peer_rows);
+      for (std::size_t row = 0; row < peer_rows; ++row) {
+        shots[row] = {{0, 0, 0, speed(row), speed(row) / 4, 0}, drag_factor(row)};
+      }
+      start = now();
+      odeint_rk4_drag(shots.data(), peer_rows, steps, problem.dt);
+      seconds.push_back(now() - start);
+      kept = shots[1].state[0];
+    } else {
+      std::vector<std::array<double, 3>> states(peer_rows, {1, 0, 0});
+      std::vector<double> rhos(peer_rows);
+      for (std::size_t row = 0; row < peer_rows; ++row) rhos[row] = rho(row);
+      start = now();
+      odeint_lorenz(states.data(), rhos.data(), peer_rows, steps, problem.dt);
+      seconds.push_back(now() - start);
+      kept = states[1][0];
+    }
+    benchmark::DoNotOptimize(kept);
+  }
+  const double items =
+      static_cast<double>(peer_rows) * (problem.counts_steps ? static_cast<double>(steps) : 1);
+  state.counters["items_per_second"] = items / median(seconds);
+}
+#endif
+
+}  // namespace
+
+void register_trajectories() {
+  for (const Problem& problem : problems()) {
+    for (const Isa isa : solver::available_isas()) {
+      for (const int threads : {1, 2}) {
+        benchmark::RegisterBenchmark(fmt::format("trajectories/{}/isa:{}/threads:{}", problem.name,
+                                                 solver::name(isa), threads)
+                                         .c_str(),
+                                     [&problem, isa, threads](benchmark::State& state) {
+                                       measure(state, problem, isa, threads);
+                                     })
+            ->Unit(benchmark::kMillisecond);
+      }
+    }
+#ifdef SALVO_BENCH_ODEINT
+    if (problem.shortest < 1) continue;
+    benchmark::RegisterBenchmark(
+        fmt::format("peer/odeint/{}", problem.name).c_str(),
+        [&problem](benchmark::State& state) { measure_peer(state, problem); })
+        ->Unit(benchmark::kMillisecond);
+#endif
+  }
+}
+
+}  // namespace salvo::bench
