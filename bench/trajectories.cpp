@@ -77,6 +77,7 @@ void measure(benchmark::State& state, const Problem& problem, Isa isa, int threa
   Integration integration;
   integration.method = problem.method;
   integration.step = problem.dt;
+  integration.stop_at_events = false;
   double taken = 0;
   double efficiency = 0;
   std::vector<double> seconds;

@@ -12,6 +12,14 @@
     "salvo cannot keep its bits under -ffast-math: remove it from the flags of this translation unit"
 #endif
 
+// Marks a function whose packs are to live in registers: all that it calls becomes part of it. Not
+// under sanitizers, whose checks would make it too long to compile.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define SALVO_FLATTEN [[gnu::flatten]]
+#else
+#define SALVO_FLATTEN
+#endif
+
 #ifndef SALVO_ISA
 #define SALVO_ISA baseline
 #define SALVO_ISA_scalar 1

@@ -43,6 +43,13 @@ class Pair {
   template <class U>
   requires std::is_arithmetic_v<U> Pair(U constant) : low_(constant), high_(constant) {}
   Pair(V low, V high) : low_(low), high_(high) {}
+  // Written out, because gcc copies a class of two packs through memory.
+  Pair(const Pair& other) : low_(other.low_), high_(other.high_) {}
+  Pair& operator=(const Pair& other) {
+    low_ = other.low_;
+    high_ = other.high_;
+    return *this;
+  }
 
   static Pair load(const Real* source) { return {V::load(source), V::load(source + V::width)}; }
   void store(Real* target) const {

@@ -26,6 +26,7 @@
 #include "recording/ownership.hpp"
 #include "recording/sealed_file.hpp"
 #include "recording/selection.hpp"
+#include "solver/floating_point_environment.hpp"
 
 namespace salvo::recording {
 
@@ -411,6 +412,7 @@ bool Recorder::Impl::is_on_file(const std::filesystem::path& path, const StateIn
 }
 
 void Recorder::Impl::list_frame(std::int64_t frame) {
+  const solver::FloatingPointEnvironment environment;
   if (!series_begun_) list_frames_before(frame);
   const auto step = static_cast<double>(frame * scene_.frames.every);
   std::array<char, 32> digits;

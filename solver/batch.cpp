@@ -106,6 +106,8 @@ void Batch::advance(std::int64_t steps, double dt, Isa isa, int threads) {
 
 std::string_view name(Outcome outcome) {
   switch (outcome) {
+    case Outcome::event:
+      return "event";
     case Outcome::time_limit:
       return "time limit";
     case Outcome::step_limit:
@@ -133,6 +135,7 @@ void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> 
     pass.end = end.data();
     pass.time = result.time.data();
     pass.outcome = result.outcome.data();
+    pass.event = result.event.data();
     pass.steps = result.steps.data();
     pass.t0 = t0_;
     pass.integration = integration;
@@ -169,11 +172,15 @@ Integrated Batch::integrate(std::span<const double> end, const Integration& inte
   if (integration.most_steps < 1 || integration.most_steps > 1 << 24) {
     refuse("the step limit must be from 1 to 2^24");
   }
+  const BatchKernels& kernels = model_(isa);
+  if (!adaptive && integration.stop_at_events && !kernels.events.empty()) {
+    refuse("a model with events needs a tolerance, or stop_at_events = false");
+  }
   Integrated result;
   result.time.resize(rows());
   result.outcome.resize(rows());
+  result.event.resize(rows());
   result.steps.resize(rows());
-  const BatchKernels& kernels = model_(isa);
   if (table_.precision() == soa::Precision::single) {
     integrate_rows<float>(kernels, end, integration, threads, result);
   } else {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "models/event.hpp"
 #include "soa/table.hpp"
 #include "solver/isa.hpp"
 #include "solver/parallel.hpp"
@@ -40,12 +41,14 @@ struct Integration {
   /// of its error is at most absolute + relative |y|. Needs a method with an embedded one.
   double absolute_tolerance = 0;
   double relative_tolerance = 0;
+  bool stop_at_events = true;           ///< needs a tolerance when the model has events
   double smallest_step = 0;             ///< s; a row that needs a shorter one ends there
   std::int64_t most_steps = 1'000'000;  ///< tried steps; a row that needs more ends there
 };
 
 /// Why a row ended.
 enum class Outcome : std::uint8_t {
+  event,         ///< one of the model's events; `Integrated::event` says which
   time_limit,    ///< it reached its end
   step_limit,    ///< it took Integration::most_steps
   not_finite,    ///< its state overflowed or became NaN with the step that fails
@@ -64,6 +67,7 @@ struct IntegratePass {
   const double* end = nullptr;  ///< s, for each row
   double* time = nullptr;       ///< where it ended
   Outcome* outcome = nullptr;
+  std::uint8_t* event = nullptr;
   std::uint32_t* steps = nullptr;  ///< tried
   double t0 = 0;
   Integration integration;
@@ -76,6 +80,7 @@ struct IntegratePass {
 struct BatchKernels {
   std::span<const soa::Field> state_fields;
   std::span<const soa::Field> parameter_fields;
+  std::span<const models::Event> events;
   void (*advance_single)(const BatchPass<float>&);
   void (*advance_twice)(const BatchPass<double>&);
   void (*integrate_single)(IntegratePass<float>&);
@@ -86,6 +91,7 @@ struct BatchKernels {
 struct Integrated {
   std::vector<double> time;  ///< s; where the row ended
   std::vector<Outcome> outcome;
+  std::vector<std::uint8_t> event;   ///< index in the model's list, where the outcome is an event
   std::vector<std::uint32_t> steps;  ///< tried
   double simd_efficiency = 0;        ///< the part of the lanes' steps that had a row to step
 };

@@ -60,16 +60,17 @@ void advance_batch(const BatchPass<T>& pass) {
 #define SALVO_JOIN_2(A, B) A##_##B
 #define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
 
-#define SALVO_DEFINE_MODEL(NAME, MODEL)                                 \
-  namespace salvo_models {                                              \
-  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA); \
-  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){        \
-      MODEL<salvo::kernels::NativeLane<float>>::state_fields,           \
-      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,       \
-      &salvo::solver::advance_batch<MODEL, float>,                      \
-      &salvo::solver::advance_batch<MODEL, double>,                     \
-      &salvo::solver::integrate_batch<MODEL, float>,                    \
-      &salvo::solver::integrate_batch<MODEL, double>};                  \
+#define SALVO_DEFINE_MODEL(NAME, MODEL)                                   \
+  namespace salvo_models {                                                \
+  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);   \
+  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){          \
+      MODEL<salvo::kernels::NativeLane<float>>::state_fields,             \
+      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,         \
+      salvo::solver::events_of<MODEL<salvo::kernels::NativeLane<float>>>, \
+      &salvo::solver::advance_batch<MODEL, float>,                        \
+      &salvo::solver::advance_batch<MODEL, double>,                       \
+      &salvo::solver::integrate_batch<MODEL, float>,                      \
+      &salvo::solver::integrate_batch<MODEL, double>};                    \
   }
 
 #if defined(__aarch64__)

@@ -12,8 +12,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "integrators/crossing.hpp"
 #include "integrators/embedded_pair.hpp"
 #include "integrators/runge_kutta.hpp"
+#include "kernels/dual.hpp"
 #include "kernels/pair.hpp"
 #include "soa/aligned_bytes.hpp"
 #include "solver/batch.hpp"
@@ -29,6 +31,28 @@ typename W::Mask all_finite(const std::array<W, N>& y) {
   for (const W& component : y) finite = finite & is_finite(component);
   return finite;
 }
+
+/// The model's events; none when it lists none.
+template <class M>
+inline constexpr std::span<const models::Event> events_of = [] {
+  if constexpr (requires { M::events; }) {
+    return std::span<const models::Event>(M::events);
+  } else {
+    return std::span<const models::Event>();
+  }
+}();
+
+/// Which lanes' rows have ended, and why; where neither of the others says so, at the end or the
+/// step limit.
+template <class W>
+struct Ending {
+  using Mask = typename W::Mask;
+  Mask ended{false};
+  Mask lost{false};
+  Mask shortened{false};
+  Mask event{false};
+  W number{0};  // of the event
+};
 
 /// What the lanes know of their rows. W is a lane type, M the model over it.
 template <class W, class M>
@@ -50,22 +74,31 @@ class LaneRows {
     load();
   }
 
-  /// Hands in the rows of the lanes marked, whose state is `y`, and takes up others. `lost` and
-  /// `shortened` say which outcome it is where the end is not reached.
-  [[gnu::noinline]] void replace(Mask ended, Mask lost, Mask shortened) {
-    T marked[3][W::width];
-    alignas(soa::alignment) T values[W::width];
-    const auto keep = [&](Mask mask, T* to) {
-      select(mask, W(1), W(0)).store(values);
-      for (std::size_t lane = 0; lane < W::width; ++lane) to[lane] = values[lane];
-    };
-    keep(ended, marked[0]);
-    keep(lost, marked[1]);
-    keep(shortened, marked[2]);
+  /// Hands in the rows that have ended and takes up others.
+  [[gnu::noinline]] void replace(const Ending<W>& ending) {
+    alignas(soa::alignment) Column ended;
+    alignas(soa::alignment) Column lost;
+    alignas(soa::alignment) Column shortened;
+    alignas(soa::alignment) Column event;
+    alignas(soa::alignment) Column number;
+    const auto ones = [](Mask mask) { return select(mask, W(1), W(0)); };
+    ones(ending.ended).store(ended);
+    ones(ending.lost).store(lost);
+    ones(ending.shortened).store(shortened);
+    ones(ending.event).store(event);
+    ending.number.store(number);
     save();
     for (std::size_t lane = 0; lane < W::width; ++lane) {
-      if (marked[0][lane] == T(0)) continue;
-      hand_in(lane, marked[1][lane] != T(0), marked[2][lane] != T(0));
+      if (ended[lane] == T(0)) continue;
+      const Outcome outcome = lost[lane] != T(0)          ? Outcome::not_finite
+                              : event[lane] != T(0)       ? Outcome::event
+                              : time_[lane] >= end_[lane] ? Outcome::time_limit
+                              : shortened[lane] != T(0)   ? Outcome::smallest_step
+                                                          : Outcome::step_limit;
+      hand_in(lane, outcome);
+      if (outcome == Outcome::event) {
+        pass_.event[row_[lane]] = static_cast<std::uint8_t>(number[lane]);
+      }
       take_next(lane);
     }
     load();
@@ -86,7 +119,7 @@ class LaneRows {
   W step;          // to try, s
   W last_error;    // of the last step, to the power of 1/16
   Mask working{false};
-  Mask fresh{false};  // taken up since the last step
+  Mask fresh{false};  // taken up since the last replacement
 
  private:
   using Column = T[W::width];
@@ -113,16 +146,13 @@ class LaneRows {
     ++busy_;
   }
 
-  void hand_in(std::size_t lane, bool lost, bool shortened) {
+  void hand_in(std::size_t lane, Outcome outcome) {
     const std::size_t row = row_[lane];
     for (std::size_t i = 0; i < states; ++i) pass_.state[i][row] = state_[i][lane];
-    const bool arrived = time_[lane] >= end_[lane];
-    pass_.time[row] = arrived ? pass_.end[row] : pass_.t0 + static_cast<double>(time_[lane]);
+    pass_.time[row] = outcome == Outcome::time_limit ? pass_.end[row]
+                                                     : pass_.t0 + static_cast<double>(time_[lane]);
     pass_.steps[row] = static_cast<std::uint32_t>(steps_[lane]);
-    pass_.outcome[row] = lost        ? Outcome::not_finite
-                         : arrived   ? Outcome::time_limit
-                         : shortened ? Outcome::smallest_step
-                                     : Outcome::step_limit;
+    pass_.outcome[row] = outcome;
     --busy_;
   }
 
@@ -177,7 +207,7 @@ class LaneRows {
 
 /// Fixed steps of `step(y, t, h, p)`. Time is n steps, never a sum; the last step ends at the end.
 template <class W, class M, class Step>
-[[gnu::flatten]] void integrate_fixed(IntegratePass<typename W::Real>& pass, const Step& step) {
+SALVO_FLATTEN void integrate_fixed(IntegratePass<typename W::Real>& pass, const Step& step) {
   LaneRows<W, M> rows(pass);
   const W whole(pass.integration.step);
   const W t0(pass.t0);
@@ -190,8 +220,7 @@ template <class W, class M, class Step>
     const W end = rows.end;
     const W total = rows.total;
     const auto working = rows.working;
-    auto lost = typename W::Mask(false);
-    auto ended = typename W::Mask(false);
+    Ending<W> ending;
     std::uint64_t taken = 0;
     do {
       ++taken;
@@ -199,78 +228,170 @@ template <class W, class M, class Step>
       y = step(y, t0 + time, select(last, end - time, whole), p);
       steps = steps + W(1);
       time = select(last, end, steps * whole);
-      lost = !all_finite(y);
-      ended = working & (last | lost | (steps >= most));
-    } while (!any(ended));
+      ending.lost = !all_finite(y);
+      ending.ended = working & (last | ending.lost | (steps >= most));
+    } while (!any(ending.ended));
     pass.useful_steps += taken * rows.busy();
     pass.lane_steps += taken * W::width;
     rows.y = y;
     rows.steps = steps;
     rows.time = time;
-    rows.replace(ended, lost, typename W::Mask(false));
+    rows.replace(ending);
   }
 }
 
-/// Steps of an embedded pair, each as long as the row's own error allows.
-template <class W, class M, const EmbeddedPair& pair, class Rate>
-void integrate_adaptive(IntegratePass<typename W::Real>& pass, const Rate& rate) {
-  using T = typename W::Real;
+/// The earliest event within a step, for each lane.
+template <class W>
+struct EventInStep {
+  typename W::Mask found{false};
+  W place{1};  // part of the step
+  W number{0};
+};
+
+/// Brackets the model's events on the cubics through the quantities' values and rates at both ends
+/// of the step, then locates them on the step's own dense output.
+template <const EmbeddedPair& pair, class W, class M>
+[[gnu::noinline]] EventInStep<W> find_event(const M& model,
+                                            const std::array<W, M::state_fields.size()>& y0,
+                                            const std::array<W, M::state_fields.size()>& y1,
+                                            const integrators::Slopes<W, M::state_fields.size()>& k,
+                                            const std::array<W, M::parameter_fields.size()>& p, W t,
+                                            W h) {
+  using D = kernels::Dual<W>;
   constexpr std::size_t states = M::state_fields.size();
+  constexpr std::size_t parameters = M::parameter_fields.size();
+  const auto constants =
+      kernels::array_of<parameters>([&](std::size_t i) { return D(p[i], W(0)); });
+  const auto at = [&](W time, const std::array<W, states>& y, const std::array<W, states>& slope) {
+    return model.quantities(
+        D(time, W(1)), kernels::array_of<states>([&](std::size_t i) { return D(y[i], slope[i]); }),
+        constants);
+  };
+  const auto start = at(t, y0, k[0]);
+  const auto end = at(t + h, y1, k[integrators::pair_stages - 1]);
+  EventInStep<W> first;
+  for (std::size_t e = 0; e < M::events.size(); ++e) {
+    const models::Direction way = M::events[e].direction;
+    auto crossing = integrators::first_crossing(start[e].value, start[e].rate * h, end[e].value,
+                                                end[e].rate * h, way != models::Direction::rising,
+                                                way != models::Direction::falling);
+    if (!any(crossing.found)) continue;
+    // The cubic is off by the fourth power of the step: Newton's method with its slope gains three
+    // digits or more a round.
+    W s = crossing.place;
+    for (int round = 0; round < 5; ++round) {
+      const auto y = integrators::pair_dense<pair>(y0, h, s, k);
+      const W value = model.quantities(t + h * s, y, p)[e];
+      const W next = clamp(s - value / crossing.slope, W(0), W(1));
+      s = select(crossing.slope == W(0), s, next);
+    }
+    const auto earlier = crossing.found & ((s < first.place) | !first.found);
+    first.found = first.found | crossing.found;
+    first.place = select(earlier, s, first.place);
+    first.number = select(earlier, W(static_cast<double>(e)), first.number);
+  }
+  return first;
+}
+
+/// Steps of an embedded pair, each as long as the row's own error allows.
+template <class W, class M, const EmbeddedPair& pair>
+SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, const M& model) {
+  using T = typename W::Real;
+  using Mask = typename W::Mask;
+  constexpr std::size_t states = M::state_fields.size();
+  using State = std::array<W, states>;
   LaneRows<W, M> rows(pass);
   const W t0(pass.t0);
   const W absolute(pass.integration.absolute_tolerance);
   const W relative(pass.integration.relative_tolerance);
   const W most(static_cast<T>(pass.integration.most_steps));
   const W smallest(pass.integration.smallest_step);
-  integrators::Slopes<W, states> k;
+  const Mask stop(pass.integration.stop_at_events);
   while (rows.any_left()) {
-    pass.useful_steps += rows.busy();
-    pass.lane_steps += W::width;
-    const auto f = [&](W t, const std::array<W, states>& y) { return rate(t, y, rows.p); };
-    k[0] = rows.slope;
-    if (any(rows.fresh)) {
-      const std::array<W, states> first = f(t0 + rows.time, rows.y);
-      for (std::size_t i = 0; i < states; ++i) k[0][i] = select(rows.fresh, first[i], k[0][i]);
-      rows.fresh = typename W::Mask(false);
-    }
-    const W remaining = rows.end - rows.time;
-    const auto last = rows.step >= remaining;
-    const W h = select(last, remaining, rows.step);
-    const std::array<W, states> y = integrators::pair_step<pair>(rows.y, t0 + rows.time, h, k, f);
+    State y = rows.y;
+    const auto p = rows.p;
+    const auto rate = [&](W t, const State& s) { return model.rate(t, s, p); };
+    const State fresh = rate(t0 + rows.time, y);
+    State slope = kernels::array_of<states>(
+        [&](std::size_t i) { return select(rows.fresh, fresh[i], rows.slope[i]); });
+    W steps = rows.steps;
+    W time = rows.time;
+    W compensation = rows.compensation;
+    W step = rows.step;
+    W last_error = rows.last_error;
+    const W end = rows.end;
+    const Mask working = rows.working;
+    Ending<W> ending;
+    std::uint64_t taken = 0;
+    do {
+      ++taken;
+      integrators::Slopes<W, states> k;
+      k[0] = slope;
+      const W remaining = end - time;
+      Mask last = step >= remaining;
+      W h = select(last, remaining, step);
+      State next = integrators::pair_step<pair>(y, t0 + time, h, k, rate);
 
-    // One where the error is all that is tolerated; NaN, from a state that overflowed, fails.
-    W error(0);
-    for (std::size_t i = 0; i < states; ++i) {
-      const W scale = absolute + relative * max(abs(rows.y[i]), abs(y[i]));
-      const W part = abs(integrators::pair_error<pair>(k, h, i)) / scale;
-      error = select((part <= error) | (error != error), error, part);
-    }
-    const auto accepted = error <= W(1);
+      // One where the error is all that is tolerated; NaN, from a state that overflowed, fails.
+      W error(0);
+      for (std::size_t i = 0; i < states; ++i) {
+        const W scale = absolute + relative * max(abs(y[i]), abs(next[i]));
+        const W part = abs(integrators::pair_error<pair>(k, h, i)) / scale;
+        error = select((part <= error) | (error != error), error, part);
+      }
+      const Mask accepted = error <= W(1);
 
-    // A step that needs no error at all grows fivefold, one that fails shrinks at most as much.
-    const W eighth = sqrt(sqrt(sqrt(error)));
-    const W usual = clamp(W(0.9) * rows.last_error / eighth, W(0.2), W(5));
-    const W after_failure = clamp(W(0.9) / (eighth * sqrt(eighth)), W(0.2), W(0.9));
-    const W factor = select(accepted, usual, after_failure);
-    rows.step = select(accepted & last, rows.step, h * factor);
-    rows.last_error = select(accepted, max(sqrt(eighth), W(0.1)), rows.last_error);
+      // A step that needs no error at all grows fivefold, one that fails shrinks at most as much.
+      const W eighth = sqrt(sqrt(sqrt(error)));
+      const W usual = clamp(W(0.9) * last_error / eighth, W(0.2), W(5));
+      const W after_failure = clamp(W(0.9) / (eighth * sqrt(eighth)), W(0.2), W(0.9));
+      const W wanted = h * select(accepted, usual, after_failure);
+      last_error = select(accepted, max(sqrt(eighth), W(0.1)), last_error);
 
-    for (std::size_t i = 0; i < states; ++i) {
-      rows.y[i] = select(accepted, y[i], rows.y[i]);
-      rows.slope[i] = select(accepted, k[integrators::pair_stages - 1][i], k[0][i]);
-    }
-    // The sum of many steps loses none of their last bits (Kahan).
-    const W added = h - rows.compensation;
-    const W time = rows.time + added;
-    rows.compensation =
-        select(accepted, select(last, W(0), (time - rows.time) - added), rows.compensation);
-    rows.time = select(accepted, select(last, rows.end, time), rows.time);
-    rows.steps = rows.steps + W(1);
+      ending = {};
+      if constexpr (!events_of<M>.empty()) {
+        const EventInStep<W> event = find_event<pair>(model, y, next, k, p, t0 + time, h);
+        ending.event = accepted & event.found & stop;
+        ending.number = event.number;
+        if (any(working & ending.event)) {
+          // The state there by a step of its own, which is of the method's order.
+          const W part = select(ending.event, h * event.place, h);
+          const State there = integrators::pair_step<pair>(y, t0 + time, part, k, rate);
+          for (std::size_t i = 0; i < states; ++i) {
+            next[i] = select(ending.event, there[i], next[i]);
+          }
+          h = part;
+          last = last & !ending.event;
+        }
+      }
+      step = select(accepted & last, step, wanted);
+      for (std::size_t i = 0; i < states; ++i) {
+        y[i] = select(accepted, next[i], y[i]);
+        slope[i] = select(accepted, k[integrators::pair_stages - 1][i], slope[i]);
+      }
+      // The sum of many steps loses none of their last bits (Kahan).
+      const W added = h - compensation;
+      const W sum = time + added;
+      compensation = select(accepted, select(last, W(0), (sum - time) - added), compensation);
+      time = select(accepted, select(last, end, sum), time);
+      steps = steps + W(1);
 
-    const auto too_short = (rows.step <= smallest) | (rows.time + rows.step == rows.time);
-    const auto shortened = (!accepted) & too_short;
-    const auto ended = rows.working & ((accepted & last) | shortened | (rows.steps >= most));
-    if (any(ended)) rows.replace(ended, shortened & !all_finite(y), shortened);
+      const Mask too_short = (step <= smallest) | (time + step == time);
+      ending.shortened = (!accepted) & too_short;
+      ending.lost = ending.shortened & !all_finite(next);
+      ending.ended =
+          working & ((accepted & last) | ending.event | ending.shortened | (steps >= most));
+    } while (!any(ending.ended));
+    pass.useful_steps += taken * rows.busy();
+    pass.lane_steps += taken * W::width;
+    rows.y = y;
+    rows.slope = slope;
+    rows.steps = steps;
+    rows.time = time;
+    rows.compensation = compensation;
+    rows.step = step;
+    rows.last_error = last_error;
+    rows.replace(ending);
   }
 }
 
@@ -299,10 +420,10 @@ void integrate_batch(IntegratePass<T>& pass) {
                                           [&](W at, const State& s) { return rate(at, s, p); });
       });
     case Method::tsitouras_5:
-      if (adaptive) return integrate_adaptive<W, M, integrators::tsitouras_5>(pass, rate);
+      if (adaptive) return integrate_adaptive<W, M, integrators::tsitouras_5>(pass, model);
       return fixed.template operator()<integrators::tsitouras_5>();
     case Method::dormand_prince_5:
-      if (adaptive) return integrate_adaptive<W, M, integrators::dormand_prince_5>(pass, rate);
+      if (adaptive) return integrate_adaptive<W, M, integrators::dormand_prince_5>(pass, model);
       return fixed.template operator()<integrators::dormand_prince_5>();
   }
 }

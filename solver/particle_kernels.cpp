@@ -176,7 +176,7 @@ void prefetch(const ParticlePass<T>& pass, std::size_t at, std::size_t rows) {
 // with everything in it, or the compiler keeps the lanes in memory. Returns the rows not saved, as
 // bits.
 template <class W, std::size_t Count, class Integrator, class Quadratic, class Linear>
-[[gnu::noinline, gnu::flatten]] std::uint64_t plain_block(
+[[gnu::noinline]] SALVO_FLATTEN std::uint64_t plain_block(
     const ParticlePass<typename W::Real>& pass, std::size_t start, Quadratic quadratic,
     Linear linear) {
   const models::PlainForces<W> forces(*pass.forces);

@@ -25,12 +25,14 @@ Integration fixed(Method method, double step) {
   Integration integration;
   integration.method = method;
   integration.step = step;
+  integration.stop_at_events = false;
   return integration;
 }
 
 Integration adaptive(Method method, double tolerance) {
   Integration integration = fixed(method, 0.01);
   integration.absolute_tolerance = integration.relative_tolerance = tolerance;
+  integration.stop_at_events = true;
   return integration;
 }
 
@@ -52,10 +54,12 @@ Batch make_shots(Precision precision, std::vector<double>& end) {
   end.resize(shots);
   const auto fill = [&]<class T>(T) {
     for (std::size_t i = 0; i < shots; ++i) {
+      batch.column<T>("y")[i] = 1;
       batch.column<T>("vx")[i] = static_cast<T>(300 + static_cast<double>(i * 7 % 501));
       batch.column<T>("vy")[i] = static_cast<T>(static_cast<double>(i * 13 % 101));
       batch.column<T>("wind_z")[i] = static_cast<T>(static_cast<double>(i % 11) - 5);
       batch.column<T>("drag_factor")[i] = static_cast<T>(1e-4 * static_cast<double>(1 + i % 17));
+      batch.column<T>("ground")[i] = static_cast<T>(i % 3 == 0 ? 0 : -1e9);  // a third comes down
       end[i] = 0.1 + static_cast<double>(i * 31 % 97) / 50;
     }
   };
@@ -141,6 +145,7 @@ TEST(Integrate, HasOneHashForEveryInstructionSetAndThreadCount) {
           EXPECT_EQ(same.hash, reference.hash) << name(isa) << ", " << threads << " threads";
           EXPECT_EQ(same.result.steps, reference.result.steps);
           EXPECT_EQ(same.result.time, reference.result.time);
+          EXPECT_EQ(same.result.outcome, reference.result.outcome);
         }
       }
     }
@@ -155,7 +160,7 @@ TEST(Integrate, ARowAloneHasTheBitsThatItHasAmongOthers) {
   for (const std::size_t row : {0, 1, 500, 998, 999}) {
     Batch source = make_shots(Precision::twice, end);
     Batch alone(&shot_in_air_kernels, Precision::twice, 1);
-    for (const auto* field : {"x", "y", "z", "vx", "vy", "vz", "drag_factor", "wind_z"}) {
+    for (const auto* field : {"x", "y", "z", "vx", "vy", "vz", "drag_factor", "wind_z", "ground"}) {
       alone.column<double>(field)[0] = source.column<double>(field)[row];
     }
     alone.integrate(std::vector{end[row]}, integration);
@@ -198,6 +203,54 @@ TEST(Integrate, AStepBelowTheSmallestEndsTheRowAtItsLastGoodState) {
   EXPECT_TRUE(std::isfinite(batch.column<double>("x")[0]));
 }
 
+// Without air the way up and down is 2 v / g, from a height h (v + sqrt(v^2 + 2 g h)) / g.
+TEST(Integrate, AShotInVacuumEndsOnTheGroundToTheLastBits) {
+  constexpr std::size_t rows = 100;
+  for (const Method method : {Method::tsitouras_5, Method::dormand_prince_5}) {
+    Batch batch(&shot_in_air_kernels, Precision::twice, rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      batch.column<double>("vx")[i] = 100;
+      batch.column<double>("vy")[i] = 1 + static_cast<double>(i);
+      batch.column<double>("ground")[i] = -static_cast<double>(i % 7);
+    }
+    const Integrated result = batch.integrate(std::vector(rows, 1e3), adaptive(method, 1e-9));
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double g = 9.80665;
+      const double v = 1 + static_cast<double>(i);
+      const double h = static_cast<double>(i % 7);
+      const double exact = (v + std::sqrt(v * v + 2 * g * h)) / g;
+      EXPECT_EQ(result.outcome[i], Outcome::event);
+      EXPECT_EQ(result.event[i], 0);
+      EXPECT_NEAR(result.time[i], exact, 1e-14 * exact);
+      EXPECT_NEAR(batch.column<double>("x")[i], 100 * exact, 1e-12 * exact * 100);
+      EXPECT_NEAR(batch.column<double>("y")[i], -h, 1e-13 * v * v);
+    }
+  }
+}
+
+TEST(Integrate, AnImpactWithDragIsThatOfAFinerTolerance) {
+  const auto impact = [](Method method, double tolerance) {
+    std::vector<double> end;
+    Batch batch = make_shots(Precision::twice, end);
+    const Integrated result = batch.integrate(std::vector(shots, 1e3), adaptive(method, tolerance));
+    std::vector<double> places;
+    for (std::size_t i = 0; i < shots; i += 3) {
+      EXPECT_EQ(result.outcome[i], Outcome::event);
+      places.push_back(batch.column<double>("x")[i]);
+    }
+    return places;
+  };
+  const std::vector<double> exact = impact(Method::tsitouras_5, 1e-13);
+  for (const Method method : {Method::tsitouras_5, Method::dormand_prince_5}) {
+    double worst = 0;
+    const std::vector<double> places = impact(method, 1e-8);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      worst = std::max(worst, std::abs(places[i] - exact[i]) / std::max(exact[i], 1.0));
+    }
+    EXPECT_LT(worst, 1e-6);
+  }
+}
+
 TEST(Integrate, RefusesWhatCannotBe) {
   Batch batch(&lorenz_kernels, Precision::twice, 2);
   const std::vector<double> end{1.0, 1.0};
@@ -208,6 +261,10 @@ TEST(Integrate, RefusesWhatCannotBe) {
   EXPECT_THROW(batch.integrate(end, fixed(Method::runge_kutta_4, 0)), std::invalid_argument);
   EXPECT_THROW(batch.integrate(end, adaptive(Method::runge_kutta_4, 1e-6)), std::invalid_argument);
   EXPECT_THROW(batch.integrate(end, adaptive(Method::tsitouras_5, -1)), std::invalid_argument);
+  Batch shots_with_ground(&shot_in_air_kernels, Precision::twice, 2);
+  Integration deaf = good;
+  deaf.stop_at_events = true;
+  EXPECT_THROW(shots_with_ground.integrate(end, deaf), std::invalid_argument);
 }
 
 }  // namespace salvo::tests
