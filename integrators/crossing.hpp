@@ -55,6 +55,7 @@ Crossing<V> first_crossing(V g0, V m0, V g1, V m1, bool falling, bool rising) {
     first.found = first.found | here;
     before = after;
   }
+  if (!any(first.found)) return first;
   // Bisection: the interval is monotone, and a double has 53 bits.
   for (int i = 0; i < 53; ++i) {
     const V middle = (low + high) * V(0.5);

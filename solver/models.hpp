@@ -5,4 +5,5 @@
 
 SALVO_DECLARE_MODEL(harmonic_oscillator)
 SALVO_DECLARE_MODEL(lorenz)
+SALVO_DECLARE_MODEL(projectile)
 SALVO_DECLARE_MODEL(shot_in_air)
