@@ -9,6 +9,7 @@
 #include "kernels/forces.hpp"
 #include "models/cubic_place.hpp"
 #include "models/event.hpp"
+#include "models/flight_fields.hpp"
 #include "models/projectile_tables.hpp"
 #include "models/standard_atmosphere.hpp"
 #include "soa/field.hpp"
@@ -20,14 +21,7 @@ template <class V>
 struct Projectile {
   using T = typename V::Real;
 
-  static constexpr std::array<soa::Field, 6> state_fields{{
-      {"x", soa::Scalar::real, 1, "m", "downrange", 0, -1e9, 1e9},
-      {"y", soa::Scalar::real, 1, "m", "up, above the muzzle", 0, -1e9, 1e9},
-      {"z", soa::Scalar::real, 1, "m", "to the right", 0, -1e9, 1e9},
-      {"vx", soa::Scalar::real, 1, "m/s", "velocity downrange", 0, -1e9, 1e9},
-      {"vy", soa::Scalar::real, 1, "m/s", "velocity up", 0, -1e9, 1e9},
-      {"vz", soa::Scalar::real, 1, "m/s", "velocity to the right", 0, -1e9, 1e9},
-  }};
+  static constexpr auto state_fields = flight_fields;
   static constexpr std::array<soa::Field, 9> parameter_fields{{
       {"ballistic_coefficient", soa::Scalar::real, 1, "kg/m^2", "m/(i d^2)", 150, 1e-9, 1e9},
       {"drag_function", soa::Scalar::real, 1, "", "index in models::drag_functions", 4, 0, 6},

@@ -8,6 +8,7 @@
 
 #include "kernels/forces.hpp"
 #include "models/event.hpp"
+#include "models/flight_fields.hpp"
 #include "soa/field.hpp"
 
 namespace salvo::models {
@@ -15,14 +16,7 @@ inline namespace SALVO_ISA {
 
 template <class V>
 struct ShotInAir {
-  static constexpr std::array<soa::Field, 6> state_fields{{
-      {"x", soa::Scalar::real, 1, "m", "downrange", 0, -1e9, 1e9},
-      {"y", soa::Scalar::real, 1, "m", "up", 0, -1e9, 1e9},
-      {"z", soa::Scalar::real, 1, "m", "to the right", 0, -1e9, 1e9},
-      {"vx", soa::Scalar::real, 1, "m/s", "velocity downrange", 0, -1e9, 1e9},
-      {"vy", soa::Scalar::real, 1, "m/s", "velocity up", 0, -1e9, 1e9},
-      {"vz", soa::Scalar::real, 1, "m/s", "velocity to the right", 0, -1e9, 1e9},
-  }};
+  static constexpr auto state_fields = flight_fields;
   static constexpr std::array<soa::Field, 6> parameter_fields{{
       {"drag_factor", soa::Scalar::real, 1, "1/m", "1/2 rho (Cd A)/m", 0, 0, 1e9},
       {"wind_x", soa::Scalar::real, 1, "m/s", "wind downrange", 0, -1e9, 1e9},

@@ -27,9 +27,10 @@ using integrators::EmbeddedPair;
 
 template <class W, std::size_t N>
 typename W::Mask all_finite(const std::array<W, N>& y) {
-  typename W::Mask finite(true);
-  for (const W& component : y) finite = finite & is_finite(component);
-  return finite;
+  // x - x is zero, or NaN where x is not finite: one comparison for all.
+  W sum = y[0] - y[0];
+  for (std::size_t i = 1; i < N; ++i) sum = sum + (y[i] - y[i]);
+  return sum == W(0);
 }
 
 /// The model's events; none when it lists none.
