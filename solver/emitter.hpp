@@ -47,7 +47,7 @@ struct Emitter {
   Triple position{};        ///< m
   Triple velocity{};        ///< m/s, added to every particle's
   double source_radius =
-      0;  ///< m: ball of a burst, disc-free point source when zero; sphere of a shell
+      0;  ///< m: ball of a burst, a point when zero; sphere of a shell
   Triple direction{0, 1, 0};                  ///< of a cone or jet
   double half_angle = 0;                      ///< rad, of a cone or jet
   Spread speed;                               ///< m/s
