@@ -42,15 +42,14 @@ struct Emitter {
   EmitterKind kind = EmitterKind::burst;
   std::string name;
   std::uint64_t stream = 0;
-  std::uint64_t count = 0;  ///< particles; for a jet it follows from rate and duration
-  double time = 0;          ///< s; fires at the first step at or after it
-  Triple position{};        ///< m
-  Triple velocity{};        ///< m/s, added to every particle's
-  double source_radius =
-      0;  ///< m: ball of a burst, a point when zero; sphere of a shell
-  Triple direction{0, 1, 0};                  ///< of a cone or jet
-  double half_angle = 0;                      ///< rad, of a cone or jet
-  Spread speed;                               ///< m/s
+  std::uint64_t count = 0;    ///< particles; for a jet it follows from rate and duration
+  double time = 0;            ///< s; fires at the first step at or after it
+  Triple position{};          ///< m
+  Triple velocity{};          ///< m/s, added to every particle's
+  double source_radius = 0;   ///< m: ball of a burst, a point when zero; sphere of a shell
+  Triple direction{0, 1, 0};  ///< of a cone or jet
+  double half_angle = 0;      ///< rad, of a cone or jet
+  Spread speed;               ///< m/s
   Spread mass{Spread::Kind::constant, 1, 0};  ///< kg
   Spread radius;                              ///< m
   /// m^2, or, with `drag_coefficient`, that times pi radius^2.
