@@ -1,5 +1,5 @@
-// Looks lanes up in a soa::CubicTable. Through memory, a lane at a time: a hardware gather is no
-// faster here and exists on few instruction sets.
+// Looks lanes up in a soa::CubicTable. Through memory, a lane at a time, as a hardware gather
+// exists on few instruction sets.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,8 @@
 // leave lanes idle. What a row computes depends on nothing but the row.
 //
 // The step is controlled by the error of the last two steps (PI control, Hairer, Norsett, Wanner,
-// II.4 and IV.2; exponents 1/8 and 1/16 instead of the usual 0.14 and 0.08, because square roots
-// are ten times as fast as a power).
+// II.4 and IV.2; exponents 1/8 and 1/16 instead of the usual 0.14 and 0.08, because four square
+// roots take less time than one power).
 #pragma once
 
 #include <array>
@@ -277,8 +277,8 @@ template <const EmbeddedPair& pair, class W, class M>
                                                 end[e].rate * h, way != models::Direction::rising,
                                                 way != models::Direction::falling);
     if (!any(crossing.found)) continue;
-    // The cubic is off by the fourth power of the step: Newton's method with its slope gains three
-    // digits or more a round.
+    // The cubic is off by the fourth power of the step, so Newton's method with its slope starts
+    // close and needs few rounds.
     W s = crossing.place;
     for (int round = 0; round < 5; ++round) {
       const auto y = integrators::pair_dense<pair>(y0, h, s, k);

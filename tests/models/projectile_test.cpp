@@ -1,5 +1,6 @@
 // The projectile with a standard drag function: its tables against the published atmosphere and
-// drag functions, its flight against a finer integration of the exact formulas.
+// drag functions, its flight against a finer integration
+// in the exact atmosphere, with the same drag table.
 #include "models/projectile.hpp"
 
 #include <gtest/gtest.h>
@@ -155,7 +156,7 @@ TEST(ProjectileTables, GoThroughEveryPublishedPointWithoutOvershoot) {
   }
 }
 
-TEST(Projectile, FliesAsAFinerIntegrationOfTheExactFormulas) {
+TEST(Projectile, FliesAsAFinerIntegrationInTheExactAtmosphere) {
   constexpr std::size_t rows = 20;
   Batch batch = rifle_shots(Precision::twice, rows);
   const Integrated result = batch.integrate(std::vector(rows, 60.0), to(1e-8));
