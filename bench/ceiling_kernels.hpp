@@ -20,13 +20,13 @@ struct StreamColumns {
 inline constexpr std::size_t peak_packs = 12;
 
 struct CeilingKernels {
-  void (*stream_single)(const StreamColumns<float>&, std::size_t first, std::size_t last);
-  void (*stream_twice)(const StreamColumns<double>&, std::size_t first, std::size_t last);
+  void (*stream_float32)(const StreamColumns<float>&, std::size_t first, std::size_t last);
+  void (*stream_float64)(const StreamColumns<double>&, std::size_t first, std::size_t last);
   /// `rounds` rounds of one multiply and one add in each of `peak_packs` packs.
-  double (*multiply_add_single)(std::size_t rounds);
-  double (*multiply_add_twice)(std::size_t rounds);
-  std::size_t width_single;
-  std::size_t width_twice;
+  double (*multiply_add_float32)(std::size_t rounds);
+  double (*multiply_add_float64)(std::size_t rounds);
+  std::size_t width_float32;
+  std::size_t width_float64;
 };
 
 const CeilingKernels& ceiling_kernels(solver::Isa isa);

@@ -65,7 +65,7 @@ double median(std::vector<double> values) {
 }
 
 std::string name(soa::Precision precision) {
-  return precision == soa::Precision::single ? "float" : "double";
+  return precision == soa::Precision::float32 ? "float" : "double";
 }
 
 namespace {
@@ -162,16 +162,16 @@ void stream_once(solver::World& world, const solver::Parallel& parallel) {
   const std::size_t tiles = (rows + tile - 1) / tile;
   parallel.for_each(tiles, [&](std::size_t t) {
     const std::size_t last = std::min(rows, (t + 1) * tile);
-    if (world.particles().precision() == soa::Precision::single) {
-      kernels.stream_single(columns_of<float>(world), t * tile, last);
+    if (world.particles().precision() == soa::Precision::float32) {
+      kernels.stream_float32(columns_of<float>(world), t * tile, last);
     } else {
-      kernels.stream_twice(columns_of<double>(world), t * tile, last);
+      kernels.stream_float64(columns_of<double>(world), t * tile, last);
     }
   });
 }
 
 double stream_bytes(const solver::World& world) {
-  const double real = world.particles().precision() == soa::Precision::single ? 4 : 8;
+  const double real = world.particles().precision() == soa::Precision::float32 ? 4 : 8;
   return static_cast<double>(world.particles().rows()) * (6 * 2 + 2) * real;
 }
 
@@ -184,7 +184,7 @@ std::string proof_hash(solver::World& (*make)(soa::Precision, std::size_t),
 }
 
 void register_ceilings() {
-  for (const soa::Precision precision : {soa::Precision::single, soa::Precision::twice}) {
+  for (const soa::Precision precision : {soa::Precision::float32, soa::Precision::float64}) {
     for (const std::size_t rows : {std::size_t{1} << 20, std::size_t{1} << 24}) {
       for (const int threads : {1, 2}) {
         benchmark::RegisterBenchmark(
@@ -209,22 +209,22 @@ void register_ceilings() {
       }
     }
   }
-  for (const soa::Precision precision : {soa::Precision::single, soa::Precision::twice}) {
+  for (const soa::Precision precision : {soa::Precision::float32, soa::Precision::float64}) {
     for (const solver::Isa isa : solver::available_isas()) {
       benchmark::RegisterBenchmark(
           fmt::format("peak/muladd/isa:{}/real:{}", solver::name(isa), name(precision)).c_str(),
           [=](benchmark::State& state) {
             constexpr std::size_t rounds = 1 << 20;
             const CeilingKernels& kernels = ceiling_kernels(isa);
-            const bool single = precision == soa::Precision::single;
+            const bool single = precision == soa::Precision::float32;
             double best = 1e9;
             for (auto _ : state) {
               const double start = now();
-              benchmark::DoNotOptimize(single ? kernels.multiply_add_single(rounds)
-                                              : kernels.multiply_add_twice(rounds));
+              benchmark::DoNotOptimize(single ? kernels.multiply_add_float32(rounds)
+                                              : kernels.multiply_add_float64(rounds));
               best = std::min(best, now() - start);
             }
-            const std::size_t width = single ? kernels.width_single : kernels.width_twice;
+            const std::size_t width = single ? kernels.width_float32 : kernels.width_float64;
             state.counters["flops_per_second"] =
                 static_cast<double>(rounds * width * peak_packs * 2) / best;
           })

@@ -24,7 +24,7 @@ scene::Scene recorded_scene() {
   scene::Scene scene;
   scene.path = "bench";
   scene.text = "bench";
-  scene.setup = free_world(soa::Precision::single, rows).setup();
+  scene.setup = free_world(soa::Precision::float32, rows).setup();
   scene.steps = every * frames;
   scene.frames.every = every;
   scene.frames.columns = {soa::ParticleField::position, soa::ParticleField::velocity};
@@ -114,7 +114,7 @@ void register_recorded() {
           state.counters["bytes_per_second"] = static_cast<double>(bytes) / median(recorded);
           state.counters["fraction_lost"] = 1 - median(unrecorded) / median(recorded);
           state.counters["fraction_of_ceiling"] = median(written) / median(recorded);
-          state.SetLabel(proof_hash(&free_world, soa::Precision::single, execution));
+          state.SetLabel(proof_hash(&free_world, soa::Precision::float32, execution));
         })
         ->Unit(benchmark::kMillisecond);
   }

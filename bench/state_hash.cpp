@@ -9,7 +9,7 @@
 namespace salvo::bench {
 
 void register_state_hash() {
-  for (const soa::Precision precision : {soa::Precision::single, soa::Precision::twice}) {
+  for (const soa::Precision precision : {soa::Precision::float32, soa::Precision::float64}) {
     for (const int threads : {1, 2}) {
       constexpr std::size_t rows = 1 << 20;
       benchmark::RegisterBenchmark(

@@ -40,6 +40,16 @@ struct CubicPlace {
            V::load(c[0]);
   }
 
+  /// Its rate of change with x. (Of the held ends it is that inside.)
+  V slope(const soa::CubicTable<T>& table) const {
+    alignas(64) T c[4][V::width];
+    for (std::size_t lane = 0; lane < V::width; ++lane) {
+      for (std::size_t k = 1; k < 4; ++k) c[k][lane] = table.coefficients()[index[lane] + k];
+    }
+    return ((V(3) * V::load(c[3]) * fraction + V(2) * V::load(c[2])) * fraction + V::load(c[1])) *
+           V(table.per_interval());
+  }
+
   V fraction;
   std::size_t index[V::width];
 };

@@ -1,9 +1,11 @@
-// A quantity of a model whose zero ends a row. A model lists its events and gives the quantities'
-// values over any lane type, so that the same formula yields their rates (kernels::Dual):
+// clang-format off
+// A quantity of a model whose zeros are of interest. A model lists its events and gives the value
+// of each over any lane type, so that the same formula yields its rate (kernels::Dual):
 //
-//   static constexpr std::array<Event, 1> events{{{"ground", "it comes down",
-//   Direction::falling}}}; template <class X> std::array<X, 1> quantities(X t, const std::array<X,
-//   ..>& s, const std::array<X, ..>& p) const;
+//   static constexpr std::array<Event, 1> events{{{"ground", "it comes down", Direction::falling, true}}};
+//   template <class X>
+//   X quantity(std::size_t event, X t, const std::array<X, ..>& s, const std::array<X, ..>& p) const;
+// clang-format on
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,7 @@ struct Event {
   std::string_view name;
   std::string_view meaning;
   Direction direction;
+  bool stops;  ///< ends a row unless the user says otherwise
 };
 
 }  // namespace salvo::models

@@ -12,6 +12,7 @@ inline namespace SALVO_ISA {
 
 template <class V>
 struct HarmonicOscillator {
+  static constexpr bool of_positions = true;
   static constexpr std::array<soa::Field, 2> state_fields{{
       {"x", soa::Scalar::real, 1, "m", "displacement", 1, -1e9, 1e9},
       {"v", soa::Scalar::real, 1, "m/s", "velocity", 0, -1e9, 1e9},

@@ -54,7 +54,7 @@ auto with_type(const FrameColumn& column, soa::Precision precision, Visit visit)
     case soa::Scalar::real:
       break;
   }
-  return precision == soa::Precision::single ? visit(float{}) : visit(double{});
+  return precision == soa::Precision::float32 ? visit(float{}) : visit(double{});
 }
 
 std::string component_name(const FrameColumn& column, std::size_t component) {

@@ -39,7 +39,7 @@ struct FrameInfo {
   std::int64_t step = 0;
   double time = 0;  // s
   std::uint64_t seed = 0;
-  soa::Precision precision = soa::Precision::single;
+  soa::Precision precision = soa::Precision::float32;
   double fraction = 1;    ///< of the particles that are kept
   bool complete = false;  ///< holds the full state: a run can go on from it
   std::string scene_text;

@@ -87,7 +87,7 @@ FrameInfo info_of(hid_t file) {
 
 soa::Scalar scalar_of(hid_t type, soa::Precision precision, const std::string& name) {
   const hid_t real =
-      precision == soa::Precision::single ? hdf5::type_of<float>() : hdf5::type_of<double>();
+      precision == soa::Precision::float32 ? hdf5::type_of<float>() : hdf5::type_of<double>();
   if (H5Tequal(type, real) > 0) return soa::Scalar::real;
   if (H5Tequal(type, hdf5::type_of<std::int32_t>()) > 0) return soa::Scalar::int32;
   if (H5Tequal(type, hdf5::type_of<std::uint32_t>()) > 0) return soa::Scalar::uint32;

@@ -30,7 +30,7 @@ constexpr auto position = static_cast<std::size_t>(ParticleField::position);
 hid_t type_of(Scalar scalar, Precision precision) {
   switch (scalar) {
     case Scalar::real:
-      return precision == Precision::single ? hdf5::type_of<float>() : hdf5::type_of<double>();
+      return precision == Precision::float32 ? hdf5::type_of<float>() : hdf5::type_of<double>();
     case Scalar::int32:
       return hdf5::type_of<std::int32_t>();
     case Scalar::uint32:

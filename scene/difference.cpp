@@ -37,7 +37,7 @@ bool same(const soa::Table& a, std::size_t row_a, const soa::Table& b, std::size
           std::size_t field, std::size_t component) {
   switch (a.fields()[field].scalar) {
     case soa::Scalar::real:
-      return a.precision() == soa::Precision::single
+      return a.precision() == soa::Precision::float32
                  ? same_real<float>(a, row_a, b, row_b, field, component)
                  : same_real<double>(a, row_a, b, row_b, field, component);
     case soa::Scalar::int32:
@@ -55,7 +55,7 @@ std::string text_at(const soa::Table& table, std::size_t field, std::size_t comp
                     std::size_t row) {
   switch (table.fields()[field].scalar) {
     case soa::Scalar::real:
-      return hex_text(table.precision() == soa::Precision::single
+      return hex_text(table.precision() == soa::Precision::float32
                           ? static_cast<double>(value_at<float>(table, field, component, row))
                           : value_at<double>(table, field, component, row));
     case soa::Scalar::int32:

@@ -105,7 +105,7 @@ void fill(soa::Table& table, std::size_t field, double value) {
   };
   switch (table.fields()[field].scalar) {
     case soa::Scalar::real:
-      if (table.precision() == soa::Precision::single) {
+      if (table.precision() == soa::Precision::float32) {
         fill_with(static_cast<float>(value));
       } else {
         fill_with(value);

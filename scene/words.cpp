@@ -9,8 +9,8 @@ using solver::IntegratorKind;
 
 template <>
 const Words& words_of<Precision>() {
-  static const Words words{{"float", Precision::single, "32 bits"},
-                           {"double", Precision::twice, "64 bits"}};
+  static const Words words{{"float", Precision::float32, "32 bits"},
+                           {"double", Precision::float64, "64 bits"}};
   return words;
 }
 

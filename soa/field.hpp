@@ -9,7 +9,7 @@
 namespace salvo::soa {
 
 /// How wide the real numbers of a table are.
-enum class Precision : std::uint8_t { single, twice };
+enum class Precision : std::uint8_t { float32, float64 };
 
 /// What a column holds.
 enum class Scalar : std::uint8_t { real, int32, uint32, uint64 };
@@ -17,7 +17,7 @@ enum class Scalar : std::uint8_t { real, int32, uint32, uint64 };
 constexpr std::size_t size_of(Scalar scalar, Precision precision) {
   switch (scalar) {
     case Scalar::real:
-      return precision == Precision::single ? 4 : 8;
+      return precision == Precision::float32 ? 4 : 8;
     case Scalar::int32:
     case Scalar::uint32:
       return 4;

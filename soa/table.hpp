@@ -28,7 +28,7 @@ class Table {
   double uniform(std::size_t field) const { return uniform_[field]; }
   /// The value as a row would hold it: rounded to the table's precision.
   void set_uniform(std::size_t field, double value) {
-    const bool narrow = fields_[field].scalar == Scalar::real && precision_ == Precision::single;
+    const bool narrow = fields_[field].scalar == Scalar::real && precision_ == Precision::float32;
     uniform_[field] = narrow ? static_cast<double>(static_cast<float>(value)) : value;
   }
 

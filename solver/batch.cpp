@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <limits>
 #include <stdexcept>
 
 #include "solver/tile.hpp"
@@ -22,16 +24,16 @@ std::vector<soa::Field> fields_of(const BatchKernels& kernels) {
 }
 
 void call(const BatchKernels& kernels, const BatchPass<float>& pass) {
-  kernels.advance_single(pass);
+  kernels.advance_float32(pass);
 }
 void call(const BatchKernels& kernels, const BatchPass<double>& pass) {
-  kernels.advance_twice(pass);
+  kernels.advance_float64(pass);
 }
 void call(const BatchKernels& kernels, IntegratePass<float>& pass) {
-  kernels.integrate_single(pass);
+  kernels.integrate_float32(pass);
 }
 void call(const BatchKernels& kernels, IntegratePass<double>& pass) {
-  kernels.integrate_twice(pass);
+  kernels.integrate_float64(pass);
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ Batch::Batch(BatchModel model, soa::Precision precision, std::size_t rows, doubl
   for (std::size_t row = 0; row < rows; ++row) table_.ids()[row] = row;
   for (std::size_t f = 1; f < fields_.size(); ++f) {
     const double value = fields_[f].fallback;
-    if (precision == soa::Precision::single) {
+    if (precision == soa::Precision::float32) {
       std::fill_n(table_.column<float>(f), rows, static_cast<float>(value));
     } else {
       std::fill_n(table_.column<double>(f), rows, value);
@@ -95,7 +97,7 @@ void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double
 void Batch::advance(std::int64_t steps, double dt, Isa isa, int threads) {
   require_available(isa);
   const BatchKernels& kernels = model_(isa);
-  if (table_.precision() == soa::Precision::single) {
+  if (table_.precision() == soa::Precision::float32) {
     advance_rows<float>(kernels, steps, dt, threads);
   } else {
     advance_rows<double>(kernels, steps, dt, threads);
@@ -120,10 +122,61 @@ std::string_view name(Outcome outcome) {
   return "unknown";
 }
 
+namespace {
+
+// Where what is recorded goes, as the kernels want it.
+class Watched {
+ public:
+  Watched(const BatchKernels& kernels, const Integration& integration, std::size_t rows, double t0,
+          Integrated& result) {
+    const std::size_t states = kernels.state_fields.size();
+    stop_at = integration.stop_at.value_or(0);
+    for (std::size_t e = 0; e < kernels.events.size(); ++e) {
+      if (!integration.stop_at && kernels.events[e].stops) stop_at |= std::uint32_t{1} << e;
+    }
+    result.grazes.assign(rows, 0);
+    result.recorded.resize(kernels.events.size());
+    for (std::size_t e = 0; e < kernels.events.size(); ++e) {
+      const bool wanted = (integration.record >> e & 1) != 0;
+      events.push_back(make(result.recorded[e], wanted ? rows : 0, states));
+    }
+    const Samples& wanted = integration.samples;
+    for (const double level : wanted.levels) {
+      levels_.push_back(wanted.quantity == Samples::time ? level - t0 : level);
+    }
+    samples.quantity = wanted.quantity;
+    samples.count = levels_.size();
+    samples.levels = levels_.data();
+    samples.to = make(result.samples, rows * levels_.size(), states);
+    result.samples_taken.assign(rows, 0);
+    samples.taken = result.samples_taken.data();
+  }
+
+  std::uint32_t stop_at = 0;
+  std::vector<InstantColumns> events;
+  SamplePass samples;
+
+ private:
+  InstantColumns make(Instants& instants, std::size_t count, std::size_t states) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    instants.time.assign(count, none);
+    instants.state.assign(states, std::vector<double>(count, none));
+    std::vector<double*>& columns = columns_.emplace_back();
+    for (std::vector<double>& column : instants.state) columns.push_back(column.data());
+    return {instants.time.data(), columns.data()};
+  }
+
+  std::vector<double> levels_;
+  std::deque<std::vector<double*>> columns_;
+};
+
+}  // namespace
+
 template <class T>
 void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> end,
                            const Integration& integration, int threads, Integrated& result) {
   const Columns<T> columns = columns_of<T>(kernels);
+  const Watched watched(kernels, integration, rows(), t0_, result);
   const std::size_t tiles = tiles_of(rows());
   std::vector<std::array<std::uint64_t, 2>> taken(tiles);
   Parallel(threads).for_each(tiles, [&](std::size_t tile) {
@@ -138,7 +191,17 @@ void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> 
     pass.event = result.event.data();
     pass.steps = result.steps.data();
     pass.t0 = t0_;
-    pass.integration = integration;
+    pass.integration = {integration.method,
+                        integration.step,
+                        integration.absolute_tolerance,
+                        integration.relative_tolerance,
+                        integration.smallest_step,
+                        integration.most_steps};
+    pass.stop_at = watched.stop_at;
+    pass.record = integration.record;
+    pass.events = watched.events.data();
+    pass.grazes = result.grazes.data();
+    pass.samples = watched.samples;
     call(kernels, pass);
     taken[tile] = {pass.useful_steps, pass.lane_steps};
   });
@@ -166,22 +229,29 @@ Integrated Batch::integrate(std::span<const double> end, const Integration& inte
   if (!(integration.absolute_tolerance >= 0) || !(integration.relative_tolerance >= 0)) {
     refuse("a tolerance is negative");
   }
-  if (adaptive && integration.method == Method::runge_kutta_4) {
-    refuse("the classical Runge-Kutta method knows no error; choose another for tolerances");
+  if (adaptive && !has_embedded(integration.method)) {
+    refuse("the method knows no error; choose another for tolerances");
   }
   if (integration.most_steps < 1 || integration.most_steps > 1 << 24) {
     refuse("the step limit must be from 1 to 2^24");
   }
   const BatchKernels& kernels = model_(isa);
-  if (!adaptive && integration.stop_at_events && !kernels.events.empty()) {
-    refuse("a model with events needs a tolerance, or stop_at_events = false");
+  if (integration.method == Method::semi_implicit_euler && !kernels.of_positions) {
+    refuse("the semi-implicit Euler method needs a model of positions and their velocities");
+  }
+  const Samples& samples = integration.samples;
+  if (samples.quantity != Samples::time && samples.quantity >= kernels.state_fields.size()) {
+    refuse("the samples' quantity is none of the model's states");
+  }
+  if (!std::is_sorted(samples.levels.begin(), samples.levels.end())) {
+    refuse("the samples' levels must ascend");
   }
   Integrated result;
   result.time.resize(rows());
   result.outcome.resize(rows());
   result.event.resize(rows());
   result.steps.resize(rows());
-  if (table_.precision() == soa::Precision::single) {
+  if (table_.precision() == soa::Precision::float32) {
     integrate_rows<float>(kernels, end, integration, threads, result);
   } else {
     integrate_rows<double>(kernels, end, integration, threads, result);

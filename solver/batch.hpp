@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -31,7 +32,27 @@ struct BatchPass {
   std::int64_t steps = 0;
 };
 
-enum class Method { runge_kutta_4, tsitouras_5, dormand_prince_5 };
+enum class Method {
+  explicit_euler,
+  semi_implicit_euler,  ///< needs a model of positions and their velocities
+  heun,
+  runge_kutta_4,
+  tsitouras_5,
+  dormand_prince_5
+};
+
+/// Whether the method knows the error of a step.
+constexpr bool has_embedded(Method method) {
+  return method == Method::tsitouras_5 || method == Method::dormand_prince_5;
+}
+
+/// Levels of a quantity at which the state of every row is sampled when it first rises to them.
+struct Samples {
+  static constexpr std::size_t time = ~std::size_t{0};
+
+  std::size_t quantity = time;  ///< index of a state, or the time
+  std::vector<double> levels;   ///< ascending
+};
 
 /// How each row is taken to its own end.
 struct Integration {
@@ -41,9 +62,12 @@ struct Integration {
   /// of its error is at most absolute + relative |y|. Needs a method with an embedded one.
   double absolute_tolerance = 0;
   double relative_tolerance = 0;
-  bool stop_at_events = true;           ///< needs a tolerance when the model has events
   double smallest_step = 0;             ///< s; a row that needs a shorter one ends there
   std::int64_t most_steps = 1'000'000;  ///< tried steps; a row that needs more ends there
+  /// The model's events that end a row, a bit each; nothing: those that the model says.
+  std::optional<std::uint32_t> stop_at;
+  std::uint32_t record = 0;  ///< those whose first occurrence is kept
+  Samples samples;
 };
 
 /// Why a row ended.
@@ -56,6 +80,21 @@ enum class Outcome : std::uint8_t {
 };
 
 std::string_view name(Outcome outcome);
+
+/// Columns of instants: time in s, and state.
+struct InstantColumns {
+  double* time = nullptr;
+  double* const* state = nullptr;
+};
+
+/// Where samples go: instant k of a row is element row * count + k.
+struct SamplePass {
+  std::size_t quantity = Samples::time;
+  std::size_t count = 0;
+  const double* levels = nullptr;  // of the time: since t0
+  InstantColumns to;
+  std::uint32_t* taken = nullptr;  // by row
+};
 
 /// Rows [first_row, last_row) to be taken to their ends.
 template <class T>
@@ -70,21 +109,54 @@ struct IntegratePass {
   std::uint8_t* event = nullptr;
   std::uint32_t* steps = nullptr;  ///< tried
   double t0 = 0;
-  Integration integration;
+  /// What the kernels need of an Integration.
+  struct {
+    Method method;
+    double step;
+    double absolute_tolerance;
+    double relative_tolerance;
+    double smallest_step;
+    std::int64_t most_steps;
+  } integration;
+  std::uint32_t stop_at = 0;
+  std::uint32_t record = 0;
+  const InstantColumns* events = nullptr;  // by event
+  std::uint32_t* grazes = nullptr;         // by row, a bit an event
+  SamplePass samples;
   /// Steps of lanes that had a row, and of all lanes.
   std::uint64_t useful_steps = 0;
   std::uint64_t lane_steps = 0;
+};
+
+/// Rows of columns, one in and one out a field.
+struct ColumnPass {
+  std::size_t rows = 0;
+  const double* const* in = nullptr;
+  double* const* out = nullptr;
 };
 
 /// A model's kernels on one instruction set, and its fields.
 struct BatchKernels {
   std::span<const soa::Field> state_fields;
   std::span<const soa::Field> parameter_fields;
+  /// What a row is described by: the state and parameters, unless the model says otherwise.
+  std::span<const soa::Field> input_fields;
+  /// What follows from the inputs and an instant.
+  std::span<const soa::Field> result_fields;
   std::span<const models::Event> events;
-  void (*advance_single)(const BatchPass<float>&);
-  void (*advance_twice)(const BatchPass<double>&);
-  void (*integrate_single)(IntegratePass<float>&);
-  void (*integrate_twice)(IntegratePass<double>&);
+  bool of_positions;  ///< the state is positions, then their velocities
+  void (*advance_float32)(const BatchPass<float>&);
+  void (*advance_float64)(const BatchPass<double>&);
+  void (*integrate_float32)(IntegratePass<float>&);
+  void (*integrate_float64)(IntegratePass<double>&);
+  void (*start)(const ColumnPass&);   ///< inputs to state, then parameters
+  void (*finish)(const ColumnPass&);  ///< inputs, time and state to results
+};
+
+/// Instants of rows, NaN where there was none.
+struct Instants {
+  std::vector<double> time;                ///< s
+  std::vector<std::vector<double>> state;  ///< by field
 };
 
 /// What Batch::integrate tells of the rows, by row.
@@ -93,7 +165,13 @@ struct Integrated {
   std::vector<Outcome> outcome;
   std::vector<std::uint8_t> event;   ///< index in the model's list, where the outcome is an event
   std::vector<std::uint32_t> steps;  ///< tried
-  double simd_efficiency = 0;        ///< the part of the lanes' steps that had a row to step
+  /// By event: the first of those that were recorded.
+  std::vector<Instants> recorded;
+  /// Events whose quantity touched zero within 1e-9 of its scale, a bit each.
+  std::vector<std::uint32_t> grazes;
+  Instants samples;  ///< element row * levels + level
+  std::vector<std::uint32_t> samples_taken;
+  double simd_efficiency = 0;  ///< the part of the lanes' steps that had a row to step
 };
 
 /// Looks a model's kernels up by instruction set: what SALVO_DECLARE_MODEL(name) declares as

@@ -12,6 +12,7 @@
 // which declares `const BatchKernels& pendulum_kernels(Isa)`, for salvo::solver::Batch.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -54,23 +55,107 @@ void advance_batch(const BatchPass<T>& pass) {
   }
 }
 
+/// A model's inputs; without `input_fields` they are the state, then the parameters.
+template <class M>
+constexpr auto input_fields_of() {
+  if constexpr (requires { M::input_fields; }) {
+    return M::input_fields;
+  } else {
+    constexpr std::size_t states = M::state_fields.size();
+    std::array<soa::Field, states + M::parameter_fields.size()> fields{};
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      fields[i] = i < states ? M::state_fields[i] : M::parameter_fields[i - states];
+    }
+    return fields;
+  }
+}
+template <class M>
+inline constexpr auto input_fields = input_fields_of<M>();
+
+template <class M>
+inline constexpr std::span<const soa::Field> result_fields = [] {
+  if constexpr (requires { M::result_fields; }) {
+    return std::span<const soa::Field>(M::result_fields);
+  } else {
+    return std::span<const soa::Field>();
+  }
+}();
+
+/// out = function(in), a pack of rows at a time; lanes without a row repeat the last one.
+template <std::size_t in_fields, std::size_t out_fields, class Function>
+void map_columns(const ColumnPass& pass, const Function& function) {
+  using V = kernels::NativeLane<double>;
+  for (std::size_t first = 0; first < pass.rows; first += V::width) {
+    alignas(soa::alignment) double values[V::width];
+    const auto in = kernels::array_of<in_fields>([&](std::size_t f) {
+      for (std::size_t lane = 0; lane < V::width; ++lane) {
+        values[lane] = pass.in[f][std::min(first + lane, pass.rows - 1)];
+      }
+      return V::load(values);
+    });
+    const std::array<V, out_fields> out = function(in);
+    for (std::size_t f = 0; f < out_fields; ++f) {
+      out[f].store(values);
+      for (std::size_t lane = 0; lane < V::width && first + lane < pass.rows; ++lane) {
+        pass.out[f][first + lane] = values[lane];
+      }
+    }
+  }
+}
+
+template <template <class> class Model>
+void start_rows(const ColumnPass& pass) {
+  using M = Model<kernels::NativeLane<double>>;
+  constexpr std::size_t inputs = input_fields<M>.size();
+  constexpr std::size_t started = M::state_fields.size() + M::parameter_fields.size();
+  const M model{};
+  map_columns<inputs, started>(pass, [&](const auto& in) {
+    if constexpr (requires { M::input_fields; }) {
+      return model.start(in);
+    } else {
+      return in;
+    }
+  });
+}
+
+template <template <class> class Model>
+void finish_rows(const ColumnPass& pass) {
+  using V = kernels::NativeLane<double>;
+  using M = Model<V>;
+  if constexpr (requires { M::result_fields; }) {
+    constexpr std::size_t inputs = input_fields<M>.size();
+    constexpr std::size_t states = M::state_fields.size();
+    const M model{};
+    map_columns<inputs + 1 + states, M::result_fields.size()>(pass, [&](const auto& columns) {
+      return model.results(
+          kernels::array_of<inputs>([&](std::size_t i) { return columns[i]; }), columns[inputs],
+          kernels::array_of<states>([&](std::size_t i) { return columns[inputs + 1 + i]; }));
+    });
+  }
+}
+
 }  // namespace SALVO_ISA
 }  // namespace salvo::solver
 
 #define SALVO_JOIN_2(A, B) A##_##B
 #define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
 
-#define SALVO_DEFINE_MODEL(NAME, MODEL)                                   \
-  namespace salvo_models {                                                \
-  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);   \
-  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){          \
-      MODEL<salvo::kernels::NativeLane<float>>::state_fields,             \
-      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,         \
-      salvo::solver::events_of<MODEL<salvo::kernels::NativeLane<float>>>, \
-      &salvo::solver::advance_batch<MODEL, float>,                        \
-      &salvo::solver::advance_batch<MODEL, double>,                       \
-      &salvo::solver::integrate_batch<MODEL, float>,                      \
-      &salvo::solver::integrate_batch<MODEL, double>};                    \
+#define SALVO_DEFINE_MODEL(NAME, MODEL)                                          \
+  namespace salvo_models {                                                       \
+  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);          \
+  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){                 \
+      MODEL<salvo::kernels::NativeLane<float>>::state_fields,                    \
+      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,                \
+      salvo::solver::input_fields<MODEL<salvo::kernels::NativeLane<double>>>,    \
+      salvo::solver::result_fields<MODEL<salvo::kernels::NativeLane<double>>>,   \
+      salvo::solver::events_of<MODEL<salvo::kernels::NativeLane<float>>>,        \
+      salvo::solver::of_positions<MODEL<salvo::kernels::NativeLane<float>>>(),   \
+      &salvo::solver::advance_batch<MODEL, float>,                               \
+      &salvo::solver::advance_batch<MODEL, double>,                              \
+      &salvo::solver::integrate_batch<MODEL, float>,                             \
+      &salvo::solver::integrate_batch<MODEL, double>,                            \
+      &salvo::solver::start_rows<MODEL>,                                         \
+      &salvo::solver::finish_rows<MODEL>};                                       \
   }
 
 #if defined(__aarch64__)

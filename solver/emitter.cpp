@@ -273,7 +273,7 @@ std::int64_t EmissionSchedule::next(std::int64_t step) const {
 void emit(const Emitter& emitter, std::uint64_t seed, std::int64_t step, double dt,
           std::uint64_t first_serial, std::uint64_t count, soa::Table& table, std::size_t first,
           const Parallel& parallel) {
-  if (table.precision() == soa::Precision::single) {
+  if (table.precision() == soa::Precision::float32) {
     emit_rows<float>(emitter, seed, step, dt, first_serial, count, table, first, parallel);
   } else {
     emit_rows<double>(emitter, seed, step, dt, first_serial, count, table, first, parallel);

@@ -74,8 +74,8 @@ struct ParticlePass {
 
 /// The kernels of one instruction set.
 struct ParticleKernels {
-  void (*advance_single)(ParticlePass<float>&);
-  void (*advance_twice)(ParticlePass<double>&);
+  void (*advance_float32)(ParticlePass<float>&);
+  void (*advance_float64)(ParticlePass<double>&);
 };
 
 /// Throws std::invalid_argument when the binary lacks the instruction set.

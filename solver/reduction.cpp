@@ -136,7 +136,7 @@ double fixed_order_sum(std::span<const double> values) {
 
 Diagnostics diagnose(const soa::Table& particles, const models::ForceSettings& forces,
                      const Parallel& parallel) {
-  const Totals total = particles.precision() == soa::Precision::single
+  const Totals total = particles.precision() == soa::Precision::float32
                            ? totals<float>(particles, forces, parallel)
                            : totals<double>(particles, forces, parallel);
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();

@@ -72,7 +72,7 @@ Digest leaf_digest(const soa::Table& table, std::size_t field, const Leaf& leaf)
 Digest leaf_digest(const soa::Table& table, std::size_t field, const Leaf& leaf) {
   switch (table.fields()[field].scalar) {
     case soa::Scalar::real:
-      return table.precision() == soa::Precision::single
+      return table.precision() == soa::Precision::float32
                  ? leaf_digest<float, true>(table, field, leaf)
                  : leaf_digest<double, true>(table, field, leaf);
     case soa::Scalar::int32:

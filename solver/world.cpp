@@ -217,7 +217,7 @@ void World::advance_to(std::int64_t target) {
   const FloatingPointEnvironment environment;
   while (step_ < target) {
     const auto steps = static_cast<std::int32_t>(pass_end(target) - step_);
-    if (setup_.precision == soa::Precision::single) {
+    if (setup_.precision == soa::Precision::float32) {
       run_pass(steps, instants_single_);
     } else {
       run_pass(steps, instants_twice_);
@@ -263,10 +263,10 @@ ParticlePass<T> World::whole_pass(std::int32_t steps, const std::vector<T>& inst
 namespace {
 
 void advance_with(const ParticleKernels& kernels, ParticlePass<float>& pass) {
-  kernels.advance_single(pass);
+  kernels.advance_float32(pass);
 }
 void advance_with(const ParticleKernels& kernels, ParticlePass<double>& pass) {
-  kernels.advance_twice(pass);
+  kernels.advance_float64(pass);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ enum class BadRowPolicy { stop, remove };
 
 /// Everything that decides the bits.
 struct Setup {
-  soa::Precision precision = soa::Precision::single;
+  soa::Precision precision = soa::Precision::float32;
   std::uint64_t seed = 0;
   double t0 = 0;  // s
   double dt = 0;  // s

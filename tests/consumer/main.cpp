@@ -11,7 +11,7 @@ int main() {
   constexpr std::size_t rows = 1001;
   std::string first;
   for (const solver::Isa isa : solver::available_isas()) {
-    solver::Batch batch(&pendulum_kernels, soa::Precision::twice, rows);
+    solver::Batch batch(&pendulum_kernels, soa::Precision::float64, rows);
     const auto angle = batch.column<double>("angle");
     const auto length = batch.column<double>("length");
     for (std::size_t i = 0; i < rows; ++i) {

@@ -106,7 +106,7 @@ Scene golden_size(Scene scene) {
 
 Hashes run(const Scene& scene, Isa isa, int threads) {
   Hashes hashes;
-  hashes.precision = scene.setup.precision == salvo::soa::Precision::single ? "float" : "double";
+  hashes.precision = scene.setup.precision == salvo::soa::Precision::float32 ? "float" : "double";
   salvo::solver::Execution execution;
   execution.isa = isa;
   execution.threads = threads;

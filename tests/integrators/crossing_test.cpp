@@ -20,15 +20,20 @@ struct Found {
   double place;
 };
 
+Found crossing(const integrators::QuantityOverStep<V>& q, bool falling, bool rising) {
+  const auto bracket = first_bracket(q, falling, rising);
+  // A crossing is never ruled out beforehand.
+  EXPECT_TRUE(!bracket.found.value() || may_cross(q).value());
+  return {bracket.found.value(), zero_in(q, bracket).value()};
+}
+
 // g(s) = a (s - r1) (s - r2) (s - r3), through its values and slopes at 0 and 1.
 Found crossing(double a, double r1, double r2, double r3, bool falling, bool rising) {
   const auto g = [&](double s) { return a * (s - r1) * (s - r2) * (s - r3); };
   const auto slope = [&](double s) {
     return a * ((s - r2) * (s - r3) + (s - r1) * (s - r3) + (s - r1) * (s - r2));
   };
-  const auto c =
-      integrators::first_crossing(V(g(0)), V(slope(0)), V(g(1)), V(slope(1)), falling, rising);
-  return {c.found.value(), c.place.value()};
+  return crossing({V(g(0)), V(slope(0)), V(g(1)), V(slope(1))}, falling, rising);
 }
 
 }  // namespace
@@ -55,19 +60,43 @@ TEST(Crossing, TwoWithinOneStepAreBothFound) {
 }
 
 TEST(Crossing, OfAStraightLineOrAParabolaIsFound) {
-  const auto line = integrators::first_crossing(V(1), V(-4), V(-3), V(-4), true, false);
-  EXPECT_TRUE(line.found.value());
-  EXPECT_NEAR(line.place.value(), 0.25, 1e-15);
+  const Found line = crossing({V(1), V(-4), V(-3), V(-4)}, true, false);
+  EXPECT_TRUE(line.found);
+  EXPECT_NEAR(line.place, 0.25, 1e-15);
   // g = (s - 1/4) (s - 1/2)
-  const auto parabola =
-      integrators::first_crossing(V(0.125), V(-0.75), V(0.375), V(1.25), false, true);
-  EXPECT_TRUE(parabola.found.value());
-  EXPECT_NEAR(parabola.place.value(), 0.5, 1e-15);
+  const Found parabola = crossing({V(0.125), V(-0.75), V(0.375), V(1.25)}, false, true);
+  EXPECT_TRUE(parabola.found);
+  EXPECT_NEAR(parabola.place, 0.5, 1e-15);
 }
 
 TEST(Crossing, ThatAStepBeginsWithIsNotOne) {
-  EXPECT_FALSE(integrators::first_crossing(V(0), V(1), V(1), V(1), true, true).found.value());
-  EXPECT_FALSE(integrators::first_crossing(V(2), V(-1), V(1), V(-1), true, true).found.value());
+  EXPECT_FALSE(crossing({V(0), V(1), V(1), V(1)}, true, true).found);
+  EXPECT_FALSE(crossing({V(2), V(-1), V(1), V(-1)}, true, true).found);
+}
+
+// g = a ((s - r)^2 + d): touches zero at r when d is small enough, and only then.
+TEST(Crossing, AnExtremumNearZeroIsAGraze) {
+  std::mt19937_64 random(8);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  int grazes = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double r = uniform(0.01, 0.99);
+    const double a = std::exp(uniform(-20, 20)) * (i % 2 == 0 ? 1 : -1);
+    const double d = std::exp(uniform(std::log(1e-12), std::log(1e-6)));
+    const integrators::QuantityOverStep<V> q{V(a * (r * r + d)), V(-2 * a * r),
+                                             V(a * ((1 - r) * (1 - r) + d)), V(2 * a * (1 - r))};
+    const double depth = std::abs(a) * d / q.scale().value();
+    if (std::abs(depth - 1e-9) < 1e-14) continue;  // rounding may tell either
+    const auto bracket = first_bracket(q, true, true);
+    ASSERT_EQ(bracket.graze.value(), depth < 1e-9) << r << " " << a << " " << d;
+    if (!bracket.graze.value()) continue;
+    ++grazes;
+    ASSERT_TRUE(may_cross(q).value());
+    ASSERT_NEAR(bracket.graze_place.value(), r, 1e-6);
+  }
+  EXPECT_GT(grazes, 10000);
 }
 
 TEST(Dual, CarriesExactRates) {

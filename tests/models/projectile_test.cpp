@@ -53,7 +53,7 @@ Batch rifle_shots(Precision precision, std::size_t rows) {
       batch.column<T>("range")[i] = 2000;
     }
   };
-  precision == Precision::single ? fill(0.0F) : fill(0.0);
+  precision == Precision::float32 ? fill(0.0F) : fill(0.0);
   return batch;
 }
 
@@ -158,9 +158,9 @@ TEST(ProjectileTables, GoThroughEveryPublishedPointWithoutOvershoot) {
 
 TEST(Projectile, FliesAsAFinerIntegrationInTheExactAtmosphere) {
   constexpr std::size_t rows = 20;
-  Batch batch = rifle_shots(Precision::twice, rows);
+  Batch batch = rifle_shots(Precision::float64, rows);
   const Integrated result = batch.integrate(std::vector(rows, 60.0), to(1e-8));
-  Batch given = rifle_shots(Precision::twice, rows);
+  Batch given = rifle_shots(Precision::float64, rows);
   for (std::size_t i = 0; i < rows; ++i) {
     EXPECT_EQ(result.outcome[i], Outcome::event);
     EXPECT_EQ(result.event[i], 1);
@@ -175,12 +175,12 @@ TEST(Projectile, FliesAsAFinerIntegrationInTheExactAtmosphere) {
 }
 
 TEST(Projectile, HasOneHashForEveryInstructionSetAndThreadCount) {
-  for (const Precision precision : {Precision::single, Precision::twice}) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
     std::string reference;
     for (const Isa isa : solver::available_isas()) {
       for (const int threads : {1, 3}) {
         Batch batch = rifle_shots(precision, 333);
-        batch.integrate(std::vector(333, 60.0), to(precision == Precision::single ? 1e-4 : 1e-8),
+        batch.integrate(std::vector(333, 60.0), to(precision == Precision::float32 ? 1e-4 : 1e-8),
                         isa, threads);
         const std::string hash = to_string(batch.hash().total);
         if (reference.empty()) reference = hash;

@@ -220,7 +220,7 @@ TEST(BookExplosion, KeepsCentreOfMassAndEnergyAndItsClosedForm) {  // PE3, A6.6,
 
 TEST(BookExplosion, OfAMillionHasTheSameBitsForAnyWidthAndThreads) {  // PE4, A6.9
   solver::Setup setup = book_setup();
-  setup.precision = Precision::single;
+  setup.precision = Precision::float32;
   setup.emitters = {book_explosion(1'000'000)};
   const auto hash = [&](const Execution& execution) {
     World world(setup, execution);
@@ -254,7 +254,7 @@ Emitter energy_explosion(std::uint64_t count, EnergyShares shares, double mass =
 constexpr EnergyShares all_shares[] = {EnergyShares::equal, EnergyShares::uniform,
                                        EnergyShares::normal, EnergyShares::book};
 
-std::vector<Particle> exploded(const Emitter& emitter, Precision precision = Precision::twice,
+std::vector<Particle> exploded(const Emitter& emitter, Precision precision = Precision::float64,
                                std::uint64_t seed = 3) {
   solver::Setup setup = plain_setup(precision);
   setup.seed = seed;
@@ -276,7 +276,7 @@ long double kinetic_energy(const std::vector<Particle>& particles) {
 }  // namespace
 
 TEST(EnergyExplosion, NeverExceedsItsBudget) {
-  for (const Precision precision : {Precision::single, Precision::twice}) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
     for (const EnergyShares shares : all_shares) {
       for (const std::uint64_t count : {1, 3, 50, 999, 12345}) {
         for (std::uint64_t seed = 0; seed < (count > 100 ? 3 : 33); ++seed) {
@@ -289,7 +289,7 @@ TEST(EnergyExplosion, NeverExceedsItsBudget) {
                 << count << " particles, shares " << static_cast<int>(shares) << ", seed " << seed;
             if (shares == EnergyShares::book) continue;  // leaves a rest
             ASSERT_GE(energy, static_cast<long double>(bullet_energy) *
-                                  (precision == Precision::single ? 1 - 1e-6L : 1 - 1e-11L));
+                                  (precision == Precision::float32 ? 1 - 1e-6L : 1 - 1e-11L));
           }
         }
       }
@@ -333,7 +333,7 @@ TEST(EnergyExplosion, NoStoneIsFasterThanTheWholeBudget) {
   EXPECT_NEAR(speed(exploded(energy_explosion(1, EnergyShares::equal)).front()), fastest, 6e-5);
   for (const EnergyShares shares : all_shares) {
     for (std::uint64_t seed = 0; seed < 99; ++seed) {
-      for (const Particle& p : exploded(energy_explosion(3, shares), Precision::twice, seed)) {
+      for (const Particle& p : exploded(energy_explosion(3, shares), Precision::float64, seed)) {
         EXPECT_LE(speed(p), fastest + 6e-5);
       }
     }
@@ -373,7 +373,7 @@ TEST(EnergyExplosion, TheBooksSharesLeaveNextToNothing) {
   double left = 0;  // on average (2/3)^50 = 1.6e-9 of the budget
   for (std::uint64_t seed = 0; seed < 99; ++seed) {
     const auto particles =
-        exploded(energy_explosion(50, EnergyShares::book), Precision::twice, seed);
+        exploded(energy_explosion(50, EnergyShares::book), Precision::float64, seed);
     left += 1 - static_cast<double>(kinetic_energy(particles)) / bullet_energy;
   }
   EXPECT_LT(left / 99, 1e-6);

@@ -65,7 +65,7 @@ TEST_P(FrameOf, AllFieldsIsReadBackExactly) {
   recorder.flush();
 
   const Frame frame = read_frame(directory / "frame_000007.hdf");
-  if (GetParam() == soa::Precision::single) {
+  if (GetParam() == soa::Precision::float32) {
     expect_columns_equal<float>(frame, world.particles());
   } else {
     expect_columns_equal<double>(frame, world.particles());
@@ -95,9 +95,9 @@ TEST_P(FrameOf, AllFieldsIsReadBackExactly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, FrameOf,
-                         testing::Values(soa::Precision::single, soa::Precision::twice),
+                         testing::Values(soa::Precision::float32, soa::Precision::float64),
                          [](const auto& parameter) {
-                           return parameter.param == soa::Precision::single ? "Single" : "Twice";
+                           return parameter.param == soa::Precision::float32 ? "Single" : "Twice";
                          });
 
 TEST(Frame, HoldsOnlyTheChosenColumns) {
@@ -221,7 +221,7 @@ TEST(Frame, ConnectivityCountsThePointsAroundTheBlockSize) {
 }
 
 TEST(Checkpoint, IsReadBackWithEveryBit) {
-  for (const auto precision : {soa::Precision::single, soa::Precision::twice}) {
+  for (const auto precision : {soa::Precision::float32, soa::Precision::float64}) {
     const scene::Scene scene = small_scene(1237, precision);
     const TemporaryDirectory directory;
     record_run(scene, directory.path());

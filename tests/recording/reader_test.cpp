@@ -27,7 +27,7 @@ TEST(Readers, SeeTheDefaultColumns) { expect_readable(small_scene()); }
 
 TEST(Readers, SeeAllColumnsInBothPrecisions) {
   expect_readable(with_complete_frames(small_scene(311)));
-  expect_readable(with_complete_frames(small_scene(311, soa::Precision::twice)));
+  expect_readable(with_complete_frames(small_scene(311, soa::Precision::float64)));
 }
 
 TEST(Readers, SeeAFraction) {

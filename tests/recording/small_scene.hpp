@@ -24,7 +24,7 @@ namespace salvo::recording {
 /// frames every 5, a checkpoint every 20 and one at the end. Mass and group are stored, radius and
 /// drag area uniform.
 inline scene::Scene small_scene(std::uint64_t count = 1237,
-                                soa::Precision precision = soa::Precision::single) {
+                                soa::Precision precision = soa::Precision::float32) {
   using Kind = solver::Spread::Kind;
   scene::Scene scene;
   scene.path = "small.toml";

@@ -40,7 +40,7 @@ TEST(Scene, DefaultsAreThoseOfTheStructures) {
   EXPECT_EQ(scene.path, "scene.toml");
   EXPECT_EQ(scene.text, minimal);
   EXPECT_EQ(scene.title, "");
-  EXPECT_EQ(scene.setup.precision, soa::Precision::single);
+  EXPECT_EQ(scene.setup.precision, soa::Precision::float32);
   EXPECT_EQ(scene.setup.seed, 0u);
   EXPECT_EQ(scene.setup.integrator, solver::IntegratorKind::semi_implicit_euler);
   EXPECT_EQ(scene.setup.t0, 0.0);
@@ -172,7 +172,7 @@ steps = 50
                             "scene.toml");
   const solver::Setup& setup = scene.setup;
   EXPECT_EQ(scene.title, "all");
-  EXPECT_EQ(setup.precision, soa::Precision::twice);
+  EXPECT_EQ(setup.precision, soa::Precision::float64);
   EXPECT_EQ(setup.seed, 17u);
   EXPECT_EQ(setup.integrator, solver::IntegratorKind::runge_kutta_4);
   EXPECT_EQ(setup.t0, 5.0);
@@ -732,7 +732,7 @@ TEST(SceneOverrides, ReplaceAndAddKeys) {
                              "forces.linear_drag=1", "seed=0x10", "verify.rows=1e3"});
   EXPECT_EQ(scene.setup.emitters[0].count, 20u);
   EXPECT_EQ(scene.setup.dt, 0.005);
-  EXPECT_EQ(scene.setup.precision, soa::Precision::twice);
+  EXPECT_EQ(scene.setup.precision, soa::Precision::float64);
   EXPECT_EQ(scene.title, "a = b");
   EXPECT_TRUE(scene.setup.forces.windy);
   EXPECT_EQ(scene.setup.forces.wind.velocity[1], 2.0);

@@ -297,7 +297,7 @@ TEST(Verify, ReportsEveryFrame) {
 }
 
 soa::Table three_rows() {
-  soa::Table table(soa::particle_fields, soa::Precision::twice,
+  soa::Table table(soa::particle_fields, soa::Precision::float64,
                    {true, true, true, false, false, false, false, false, false});
   table.append(3);
   for (soa::Id id = 0; id < 3; ++id) table.ids()[id] = 10 + id;

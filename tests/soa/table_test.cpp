@@ -78,7 +78,7 @@ std::vector<Row> read_all(const Table& table) {
 }
 
 template <class T>
-constexpr Precision precision_of = sizeof(T) == 4 ? Precision::single : Precision::twice;
+constexpr Precision precision_of = sizeof(T) == 4 ? Precision::float32 : Precision::float64;
 
 // The padding rows are zero in every column.
 template <class T>
@@ -160,7 +160,7 @@ RC_GTEST_PROP(Table, DoubleMatchesAVectorOfRows, ()) {
 }
 
 TEST(Table, ColumnsAreAlignedAndPaddedToWholeBlocks) {
-  for (const Precision precision : {Precision::single, Precision::twice}) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
     Table table(fields, precision, all_stored);
     for (const std::size_t rows : {1, 2, 64, 61, 4097}) {
       table.append(rows);
@@ -177,7 +177,7 @@ TEST(Table, ColumnsAreAlignedAndPaddedToWholeBlocks) {
 }
 
 TEST(Table, UniformFieldsTakeNoBytesAndKeepOneValue) {
-  Table table(fields, Precision::single, {true, true, false, false, true});
+  Table table(fields, Precision::float32, {true, true, false, false, true});
   EXPECT_EQ(table.uniform(2), 2.5);  // the field's fallback until somebody sets it
   table.set_uniform(2, 0.1);
   EXPECT_EQ(table.uniform(2), static_cast<double>(0.1F));  // as a row would hold it
@@ -192,8 +192,8 @@ TEST(Table, UniformFieldsTakeNoBytesAndKeepOneValue) {
 }
 
 TEST(Table, CountsTheBytesOfItsColumns) {
-  Table single(soa::particle_fields, Precision::single, std::vector<bool>(9, true));
-  Table twice(soa::particle_fields, Precision::twice, std::vector<bool>(9, true));
+  Table single(soa::particle_fields, Precision::float32, std::vector<bool>(9, true));
+  Table twice(soa::particle_fields, Precision::float64, std::vector<bool>(9, true));
   EXPECT_EQ(single.resident_bytes(), 0U);
   single.reserve(4097);
   twice.reserve(4097);
@@ -204,7 +204,7 @@ TEST(Table, CountsTheBytesOfItsColumns) {
 }
 
 TEST(Table, KeepsColumnsWhereTheyAreWithinTheReserve) {
-  Table table(fields, Precision::twice, all_stored);
+  Table table(fields, Precision::float64, all_stored);
   table.reserve(300);
   const std::byte* before = table.bytes(1, 2);
   for (int i = 0; i < 3; ++i) table.append(99);
@@ -212,7 +212,7 @@ TEST(Table, KeepsColumnsWhereTheyAreWithinTheReserve) {
 }
 
 TEST(Table, OfNoRowsSortsAndCompacts) {
-  Table table(fields, Precision::single, all_stored);
+  Table table(fields, Precision::float32, all_stored);
   table.sort_by_id();
   table.compact({});
   table.clear_padding();

@@ -47,10 +47,10 @@ namespace {
 using solver::World;
 
 std::vector<NamedSetup> steady_setups() {
-  solver::Setup free = plain_setup(Precision::single);
+  solver::Setup free = plain_setup(Precision::float32);
   free.forces = every_force();
   free.emitters = {burst(1, 12'345)};
-  solver::Setup obstacles = plain_setup(Precision::single);
+  solver::Setup obstacles = plain_setup(Precision::float32);
   obstacles.forces.quadratic_drag = true;
   obstacles.emitters = {burst(1, 12'345)};
   obstacles.emitters[0].position = {0, 2, 0};
@@ -82,7 +82,7 @@ TEST(Allocation, IsCounted) {
 }
 
 TEST(Allocation, AWorldOfAllColumnsHoldsAtMost80BytesAParticle) {
-  solver::Setup setup = plain_setup(Precision::single);
+  solver::Setup setup = plain_setup(Precision::float32);
   setup.emitters = {burst(1, 61'441), burst(2, 3, 0.1)};
   setup.emitters[0].mass = uniform(1, 2);
   setup.emitters[0].radius = uniform(1, 2);

@@ -25,20 +25,20 @@ Integration fixed(Method method, double step) {
   Integration integration;
   integration.method = method;
   integration.step = step;
-  integration.stop_at_events = false;
+  integration.stop_at = 0;
   return integration;
 }
 
 Integration adaptive(Method method, double tolerance) {
   Integration integration = fixed(method, 0.01);
   integration.absolute_tolerance = integration.relative_tolerance = tolerance;
-  integration.stop_at_events = true;
+  integration.stop_at = std::nullopt;
   return integration;
 }
 
 // x(t) of the oscillator released at 1, w = 1.
 double error_of_oscillator(const Integration& integration, double end) {
-  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 1);
+  Batch batch(&harmonic_oscillator_kernels, Precision::float64, 1);
   const Integrated result = batch.integrate(std::vector{end}, integration);
   EXPECT_EQ(result.outcome[0], Outcome::time_limit);
   EXPECT_EQ(result.time[0], end);
@@ -63,7 +63,7 @@ Batch make_shots(Precision precision, std::vector<double>& end) {
       end[i] = 0.1 + static_cast<double>(i * 31 % 97) / 50;
     }
   };
-  precision == Precision::single ? fill(0.0F) : fill(0.0);
+  precision == Precision::float32 ? fill(0.0F) : fill(0.0);
   return batch;
 }
 
@@ -95,7 +95,7 @@ TEST(Integrate, ConvergesWithTheOrderOfTheMethod) {
 
 TEST(Integrate, AFixedStepThatDoesNotDivideTheTimeIsShortenedAtTheEnd) {
   EXPECT_LT(error_of_oscillator(fixed(Method::dormand_prince_5, 0.03), 1), 1e-9);
-  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 3);
+  Batch batch(&harmonic_oscillator_kernels, Precision::float64, 3);
   const Integrated result =
       batch.integrate(std::vector{1.0, 0.1, 0.01}, fixed(Method::runge_kutta_4, 0.03));
   EXPECT_EQ(result.steps, (std::vector<std::uint32_t>{34, 4, 1}));
@@ -113,7 +113,7 @@ TEST(Integrate, ErrorFollowsTheTolerance) {
 }
 
 TEST(Integrate, StiffDampingOnlyCostsSteps) {
-  Batch batch(&harmonic_oscillator_kernels, Precision::twice, 1);
+  Batch batch(&harmonic_oscillator_kernels, Precision::float64, 1);
   batch.column<double>("frequency")[0] = 10;
   batch.column<double>("damping")[0] = 20;
   batch.integrate(std::vector{5.0}, adaptive(Method::dormand_prince_5, 1e-8));
@@ -125,15 +125,15 @@ TEST(Integrate, StiffDampingOnlyCostsSteps) {
 }
 
 TEST(Integrate, AShotReachesItsTerminalVelocity) {
-  Batch batch(&shot_in_air_kernels, Precision::twice, 1);
+  Batch batch(&shot_in_air_kernels, Precision::float64, 1);
   batch.column<double>("drag_factor")[0] = 0.01;
   batch.integrate(std::vector{100.0}, adaptive(Method::dormand_prince_5, 1e-10));
   EXPECT_NEAR(batch.column<double>("vy")[0], -std::sqrt(9.80665 / 0.01), 1e-6);
 }
 
 TEST(Integrate, HasOneHashForEveryInstructionSetAndThreadCount) {
-  for (const Precision precision : {Precision::single, Precision::twice}) {
-    const double tolerance = precision == Precision::single ? 1e-4 : 1e-9;
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
+    const double tolerance = precision == Precision::float32 ? 1e-4 : 1e-9;
     for (const Integration& integration :
          {fixed(Method::runge_kutta_4, 0.01), fixed(Method::tsitouras_5, 0.01),
           adaptive(Method::tsitouras_5, tolerance),
@@ -155,11 +155,11 @@ TEST(Integrate, HasOneHashForEveryInstructionSetAndThreadCount) {
 TEST(Integrate, ARowAloneHasTheBitsThatItHasAmongOthers) {
   const Integration integration = adaptive(Method::dormand_prince_5, 1e-9);
   std::vector<double> end;
-  Batch all = make_shots(Precision::twice, end);
+  Batch all = make_shots(Precision::float64, end);
   all.integrate(end, integration);
   for (const std::size_t row : {0, 1, 500, 998, 999}) {
-    Batch source = make_shots(Precision::twice, end);
-    Batch alone(&shot_in_air_kernels, Precision::twice, 1);
+    Batch source = make_shots(Precision::float64, end);
+    Batch alone(&shot_in_air_kernels, Precision::float64, 1);
     for (const auto* field : {"x", "y", "z", "vx", "vy", "vz", "drag_factor", "wind_z", "ground"}) {
       alone.column<double>(field)[0] = source.column<double>(field)[row];
     }
@@ -173,14 +173,14 @@ TEST(Integrate, ARowAloneHasTheBitsThatItHasAmongOthers) {
 TEST(Integrate, LanesAreRefilled) {
   // Durations from 0.1 to 2 s: without refilling, four packs would wait for their longest row.
   std::vector<double> end;
-  Batch batch = make_shots(Precision::twice, end);
+  Batch batch = make_shots(Precision::float64, end);
   const Integrated result = batch.integrate(end, fixed(Method::runge_kutta_4, 1e-3));
   EXPECT_GT(result.simd_efficiency, 0.9);
   EXPECT_LE(result.simd_efficiency, 1);
 }
 
 TEST(Integrate, TellsWhyARowEnded) {
-  Batch batch(&lorenz_kernels, Precision::twice, 3);
+  Batch batch(&lorenz_kernels, Precision::float64, 3);
   batch.column<double>("sigma")[1] = 1e8;  // explodes at this step
   batch.column<double>("x")[1] = 1e8;
   Integration integration = fixed(Method::runge_kutta_4, 0.01);
@@ -195,7 +195,7 @@ TEST(Integrate, TellsWhyARowEnded) {
 }
 
 TEST(Integrate, AStepBelowTheSmallestEndsTheRowAtItsLastGoodState) {
-  Batch batch(&lorenz_kernels, Precision::twice, 1);
+  Batch batch(&lorenz_kernels, Precision::float64, 1);
   Integration integration = adaptive(Method::tsitouras_5, 1e-12);
   integration.smallest_step = 0.005;
   const Integrated result = batch.integrate(std::vector{10.0}, integration);
@@ -207,7 +207,7 @@ TEST(Integrate, AStepBelowTheSmallestEndsTheRowAtItsLastGoodState) {
 TEST(Integrate, AShotInVacuumEndsOnTheGroundToTheLastBits) {
   constexpr std::size_t rows = 100;
   for (const Method method : {Method::tsitouras_5, Method::dormand_prince_5}) {
-    Batch batch(&shot_in_air_kernels, Precision::twice, rows);
+    Batch batch(&shot_in_air_kernels, Precision::float64, rows);
     for (std::size_t i = 0; i < rows; ++i) {
       batch.column<double>("vx")[i] = 100;
       batch.column<double>("vy")[i] = 1 + static_cast<double>(i);
@@ -231,7 +231,7 @@ TEST(Integrate, AShotInVacuumEndsOnTheGroundToTheLastBits) {
 TEST(Integrate, AnImpactWithDragIsThatOfAFinerTolerance) {
   const auto impact = [](Method method, double tolerance) {
     std::vector<double> end;
-    Batch batch = make_shots(Precision::twice, end);
+    Batch batch = make_shots(Precision::float64, end);
     const Integrated result = batch.integrate(std::vector(shots, 1e3), adaptive(method, tolerance));
     std::vector<double> places;
     for (std::size_t i = 0; i < shots; i += 3) {
@@ -252,7 +252,7 @@ TEST(Integrate, AnImpactWithDragIsThatOfAFinerTolerance) {
 }
 
 TEST(Integrate, RefusesWhatCannotBe) {
-  Batch batch(&lorenz_kernels, Precision::twice, 2);
+  Batch batch(&lorenz_kernels, Precision::float64, 2);
   const std::vector<double> end{1.0, 1.0};
   const Integration good = fixed(Method::runge_kutta_4, 0.01);
   EXPECT_THROW(batch.integrate(std::vector{1.0}, good), std::invalid_argument);
@@ -261,10 +261,11 @@ TEST(Integrate, RefusesWhatCannotBe) {
   EXPECT_THROW(batch.integrate(end, fixed(Method::runge_kutta_4, 0)), std::invalid_argument);
   EXPECT_THROW(batch.integrate(end, adaptive(Method::runge_kutta_4, 1e-6)), std::invalid_argument);
   EXPECT_THROW(batch.integrate(end, adaptive(Method::tsitouras_5, -1)), std::invalid_argument);
-  Batch shots_with_ground(&shot_in_air_kernels, Precision::twice, 2);
-  Integration deaf = good;
-  deaf.stop_at_events = true;
-  EXPECT_THROW(shots_with_ground.integrate(end, deaf), std::invalid_argument);
+  EXPECT_THROW(batch.integrate(end, fixed(Method::semi_implicit_euler, 0.01)),
+               std::invalid_argument);
+  Integration sampled = good;
+  sampled.samples.levels = {2, 1};
+  EXPECT_THROW(batch.integrate(end, sampled), std::invalid_argument);
 }
 
 }  // namespace salvo::tests

@@ -52,7 +52,7 @@ Particle read_particle(const soa::Table& table, std::size_t row) {
 }
 
 inline Particle read_particle(const soa::Table& table, std::size_t row) {
-  return table.precision() == soa::Precision::single ? read_particle<float>(table, row)
+  return table.precision() == soa::Precision::float32 ? read_particle<float>(table, row)
                                                      : read_particle<double>(table, row);
 }
 
@@ -92,7 +92,7 @@ inline soa::Table table_of_particles(soa::Precision precision,
                    std::vector<bool>(soa::particle_fields.size(), true));
   table.append(particles.size());
   for (std::size_t row = 0; row < particles.size(); ++row) {
-    if (precision == soa::Precision::single) {
+    if (precision == soa::Precision::float32) {
       write_particle<float>(table, row, particles[row]);
     } else {
       write_particle<double>(table, row, particles[row]);

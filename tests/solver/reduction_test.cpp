@@ -93,7 +93,7 @@ TEST(Diagnose, IsExactOnWholeNumbers) {
   models::ForceSettings forces;
   forces.gravity = {0.5, -8, 2};
   const Parallel parallel(3);
-  for (const soa::Precision precision : {soa::Precision::single, soa::Precision::twice}) {
+  for (const soa::Precision precision : {soa::Precision::float32, soa::Precision::float64}) {
     for (const std::size_t count : counts) {
       const std::vector<Particle> particles = whole_number_particles(count);
       Diagnostics wanted;
@@ -133,7 +133,7 @@ TEST(Diagnose, IsExactOnWholeNumbers) {
 TEST(Diagnose, TakesTheUniformMassWhenNoneIsStored) {
   std::vector<bool> stored(soa::particle_fields.size(), true);
   stored[at(soa::ParticleField::mass)] = false;
-  soa::Table table(soa::particle_fields, soa::Precision::twice, stored);
+  soa::Table table(soa::particle_fields, soa::Precision::float64, stored);
   table.set_uniform(at(soa::ParticleField::mass), 0.125);
   table.append(33);
   EXPECT_EQ(diagnose(table, {}, Parallel(1)).mass, 33 * 0.125);
@@ -147,13 +147,13 @@ TEST(Diagnose, CountsThePotentialOfPointGravity) {
   p.position = {1, 2, 0};
   p.mass = 2;
   const Diagnostics d =
-      diagnose(table_of_particles(soa::Precision::twice, {p}), forces, Parallel(1));
+      diagnose(table_of_particles(soa::Precision::float64, {p}), forces, Parallel(1));
   // -m (GM/r + GM/sqrt(r^2 + softening^2)), r = 3 and sqrt 5
   EXPECT_NEAR(d.potential_energy, -2 * (12 / 3.0 + 5 / std::sqrt(5.0 + 16.0)), 1e-14);
 }
 
 TEST(Diagnose, OfNoParticlesHasNoBoundsAndNoCentre) {
-  const Diagnostics d = diagnose(table_of_particles(soa::Precision::single, {}), {}, Parallel(3));
+  const Diagnostics d = diagnose(table_of_particles(soa::Precision::float32, {}), {}, Parallel(3));
   EXPECT_EQ(d.count, 0U);
   EXPECT_EQ(d.mass, 0);
   EXPECT_EQ(d.kinetic_energy, 0);
@@ -172,7 +172,7 @@ TEST(Diagnose, GivesTheSameBitsForAnyNumberOfThreads) {
     p.mass *= 0.1 + static_cast<double>(random() >> 11) * 0x1p-53;
     p.velocity[1] /= 3;
   }
-  const soa::Table table = table_of_particles(soa::Precision::twice, particles);
+  const soa::Table table = table_of_particles(soa::Precision::float64, particles);
   const Diagnostics one = diagnose(table, {}, Parallel(1));
   for (const int threads : {2, 3, 4, 8, 13}) {
     const Diagnostics d = diagnose(table, {}, Parallel(threads));

@@ -52,7 +52,7 @@ inline Emitter burst(std::uint64_t stream, std::uint64_t count, double time = 0)
 }
 
 /// Gravity alone, no particles.
-inline solver::Setup plain_setup(Precision precision = Precision::twice) {
+inline solver::Setup plain_setup(Precision precision = Precision::float64) {
   solver::Setup setup;
   setup.precision = precision;
   setup.seed = 33;
@@ -106,7 +106,7 @@ inline std::vector<NamedSetup> varied_setups() {
   constexpr const char* names[] = {"explicit Euler", "semi-implicit Euler", "improved Euler",
                                    "Runge-Kutta", "velocity Verlet"};
   for (const IntegratorKind integrator : all_integrators) {
-    solver::Setup setup = plain_setup(Precision::single);
+    solver::Setup setup = plain_setup(Precision::float32);
     setup.integrator = integrator;
     setup.forces = every_force();
     setup.forces.wind.profile = models::WindProfile::power_law;
@@ -114,7 +114,7 @@ inline std::vector<NamedSetup> varied_setups() {
     setups.push_back({std::string("float, ") + names[static_cast<int>(integrator)], setup});
   }
 
-  solver::Setup sources = plain_setup(Precision::single);
+  solver::Setup sources = plain_setup(Precision::float32);
   sources.forces.quadratic_drag = true;
   sources.forces.windy = true;
   sources.forces.wind.velocity = {3, 0, 1};
@@ -161,7 +161,7 @@ inline std::vector<NamedSetup> varied_setups() {
   explosions.emitters.push_back(book);
   setups.push_back({"the book's explosions", explosions});
 
-  solver::Setup bouncing = plain_setup(Precision::single);
+  solver::Setup bouncing = plain_setup(Precision::float32);
   bouncing.forces.quadratic_drag = true;
   bouncing.emitters = {burst(50, 1033)};
   bouncing.emitters[0].position = {0, 3, 0};
@@ -180,7 +180,7 @@ inline std::vector<NamedSetup> varied_setups() {
         {std::string("obstacles, ") + responses[static_cast<int>(response)], bouncing});
   }
 
-  solver::Setup large = plain_setup(Precision::single);  // 16 tiles, so that 13 threads all work
+  solver::Setup large = plain_setup(Precision::float32);  // 16 tiles, so that 13 threads all work
   large.forces.quadratic_drag = true;
   large.forces.windy = true;
   large.forces.wind.velocity = {5, 0, 0};
@@ -188,7 +188,7 @@ inline std::vector<NamedSetup> varied_setups() {
   setups.push_back({"more rows than 15 tiles", large});
 
   for (const std::uint64_t count : {1, 3, 63, 65, 4097, 12345}) {
-    solver::Setup setup = plain_setup(count % 3 == 0 ? Precision::twice : Precision::single);
+    solver::Setup setup = plain_setup(count % 3 == 0 ? Precision::float64 : Precision::float32);
     setup.forces.linear_drag = 0.01;
     setup.emitters = {burst(70, count)};
     setups.push_back({std::to_string(count) + " particles", setup});

@@ -122,7 +122,7 @@ std::vector<Particle> scattered_particles(std::size_t count) {
 }
 
 Digest total(const std::vector<Particle>& particles, int threads = 1,
-             soa::Precision precision = soa::Precision::twice) {
+             soa::Precision precision = soa::Precision::float64) {
   return state_hash(table_of_particles(precision, particles), Parallel(threads)).total;
 }
 
@@ -136,7 +136,7 @@ TEST(StateHash, IsTheDefinition) {
   for (const std::size_t count : {0, 1, 3, 65, 4097, 12345}) {
     const std::vector<Particle> particles = scattered_particles(count);
     EXPECT_EQ(total(particles), total_by_definition<double>(particles)) << count;
-    EXPECT_EQ(total(particles, 1, soa::Precision::single), total_by_definition<float>(particles))
+    EXPECT_EQ(total(particles, 1, soa::Precision::float32), total_by_definition<float>(particles))
         << count;
   }
 }
@@ -164,7 +164,7 @@ TEST(StateHash, DoesNotDependOnTheOrderInWhichRowsCame) {
   for (std::size_t i = particles.size(); i > 1; --i) {
     std::swap(particles[i - 1], particles[random() % i]);
   }
-  soa::Table table = table_of_particles(soa::Precision::twice, particles);
+  soa::Table table = table_of_particles(soa::Precision::float64, particles);
   ASSERT_FALSE(table.sorted_by_id());
   table.sort_by_id();
   EXPECT_EQ(state_hash(table, Parallel(3)).total, wanted);
@@ -173,7 +173,7 @@ TEST(StateHash, DoesNotDependOnTheOrderInWhichRowsCame) {
 TEST(StateHash, SeesEveryFieldAndNamesIt) {
   const std::vector<Particle> particles = scattered_particles(65);
   const StateHash wanted =
-      state_hash(table_of_particles(soa::Precision::twice, particles), Parallel(1));
+      state_hash(table_of_particles(soa::Precision::float64, particles), Parallel(1));
   ASSERT_EQ(wanted.fields.size(), soa::particle_fields.size());
   const std::function<void(Particle&)> changes[] = {
       [](Particle& p) { p.id += 1; },
@@ -190,7 +190,7 @@ TEST(StateHash, SeesEveryFieldAndNamesIt) {
     std::vector<Particle> changed = particles;
     changes[f](changed[33]);
     const StateHash hash =
-        state_hash(table_of_particles(soa::Precision::twice, changed), Parallel(1));
+        state_hash(table_of_particles(soa::Precision::float64, changed), Parallel(1));
     EXPECT_NE(hash.total, wanted.total) << soa::particle_fields[f].name;
     for (std::size_t g = 0; g < hash.fields.size(); ++g) {
       EXPECT_EQ(hash.fields[g].field, soa::particle_fields[g].name);
@@ -219,7 +219,7 @@ TEST(StateHash, KnowsOneNanAndTwoZeros) {
 
 TEST(StateHash, IgnoresPadding) {
   const std::vector<Particle> particles = scattered_particles(65);
-  soa::Table table = table_of_particles(soa::Precision::twice, particles);
+  soa::Table table = table_of_particles(soa::Precision::float64, particles);
   table.column<double>(at(soa::ParticleField::mass))[65] = 3;
   EXPECT_EQ(state_hash(table, Parallel(1)).total, total(particles));
 }

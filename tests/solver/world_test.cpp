@@ -236,7 +236,7 @@ TEST(World, OfNoParticlesStepsOn) {
 }
 
 TEST(World, StepsOnAfterTheLastParticleHasDied) {
-  solver::Setup setup = plain_setup(Precision::single);
+  solver::Setup setup = plain_setup(Precision::float32);
   setup.emitters = {burst(1, 65), burst(2, 3, 0.5)};
   setup.emitters[0].life = uniform(0.05, 0.2);
   setup.emitters[1].life = constant(0.03);
@@ -295,7 +295,7 @@ TEST(World, AJetKeepsItsRateOnAverageAndItsTotalExactly) {
 }
 
 TEST(World, StoresOnlyTheFieldsThatDiffer) {
-  solver::Setup setup = plain_setup(Precision::single);
+  solver::Setup setup = plain_setup(Precision::float32);
   setup.emitters = {burst(1, 65)};
   World same(setup, {});
   EXPECT_EQ(same.particles().resident_bytes(), 128U * (8 + 6 * 4));
@@ -359,7 +359,7 @@ void expect_failure(const solver::Setup& setup, const BadRow& wanted, const char
 
 TEST(BadRows, LeavingTheDomainIsNamedOnEveryFace) {
   constexpr const char* columns[] = {"position.x", "position.y", "position.z"};
-  for (const Precision precision : {Precision::single, Precision::twice}) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const double side : {-1.0, 1.0}) {
         solver::Setup setup = bounded_setup(precision);
@@ -377,7 +377,7 @@ TEST(BadRows, LeavingTheDomainIsNamedOnEveryFace) {
 }
 
 TEST(BadRows, TheFaceOfTheDomainIsInside) {
-  solver::Setup setup = bounded_setup(Precision::single);
+  solver::Setup setup = bounded_setup(Precision::float32);
   setup.emitters = {particles_from(1, {4, -4, 4}, {0, 0, 0}, 3),
                     particles_from(2, {-4, 0, 0}, {1, 0, 0})};
   World world(setup, {});
@@ -387,7 +387,7 @@ TEST(BadRows, TheFaceOfTheDomainIsInside) {
 }
 
 TEST(BadRows, TheEarliestStepIsNamedAndThenTheLowestId) {
-  solver::Setup setup = bounded_setup(Precision::single);
+  solver::Setup setup = bounded_setup(Precision::float32);
   setup.emitters = {particles_from(1, {0, 0, 0}, {0, 0, 0}, 12'345),  // across tiles
                     particles_from(3, {3, 0, 0}, {1, 0, 0}),          // out at step 9
                     particles_from(5, {0, 0, 0}, {0, 0, 0}, 77),
@@ -397,7 +397,7 @@ TEST(BadRows, TheEarliestStepIsNamedAndThenTheLowestId) {
 }
 
 TEST(BadRows, AParticleThatLeavesAndComesBackWithinAPassIsSeen) {
-  solver::Setup setup = bounded_setup(Precision::twice);
+  solver::Setup setup = bounded_setup(Precision::float64);
   setup.forces.gravity = {0, -4, 0};
   setup.integrator = IntegratorKind::velocity_verlet;
   setup.emitters = {particles_from(1, {0, 0, 0}, {0, 0, 0}, 3)};
@@ -433,7 +433,7 @@ TEST(BadRows, NonFiniteIsNamedWithTheColumnThatWentFirst) {
   ball.shape = models::ObstacleShape::sphere;
   ball.center = {3, 9, 0};
   for (const Case& c : cases) {
-    solver::Setup setup = plain_setup(Precision::single);
+    solver::Setup setup = plain_setup(Precision::float32);
     setup.dt = 1;
     setup.forces.gravity = {0, 0, 0};
     setup.forces.quadratic_drag = c.drag;
@@ -450,7 +450,7 @@ TEST(BadRows, NonFiniteIsNamedWithTheColumnThatWentFirst) {
 }
 
 TEST(BadRows, ADeathBeforeTheEdgeIsNoFailure) {
-  solver::Setup setup = bounded_setup(Precision::single);
+  solver::Setup setup = bounded_setup(Precision::float32);
   setup.emitters = {particles_from(1, {3, 0, 0}, {1, 0, 0}, 3)};  // out at step 9
   setup.emitters[0].life = constant(8 * 0.125);
   for (const std::int32_t pass : {1, 7, 64}) {
@@ -464,7 +464,7 @@ TEST(BadRows, ADeathBeforeTheEdgeIsNoFailure) {
 }
 
 TEST(BadRows, AreRemovedWithoutATraceOnTheOthers) {
-  solver::Setup setup = plain_setup(Precision::single);
+  solver::Setup setup = plain_setup(Precision::float32);
   setup.forces.quadratic_drag = true;
   setup.emitters = {burst(1, 4097), burst(2, 333, 0.2)};
   solver::Setup free = setup;
