@@ -51,7 +51,7 @@ template <class V>
 struct Bracket {
   using Mask = typename V::Mask;
   Mask found{false};
-  V low{0};   // the interval, monotone
+  V low{0};  // the interval, monotone
   V high{1};
   V sign{1};  // of g before the crossing
   Mask graze{false};

@@ -1,10 +1,12 @@
-// Looks lanes up in a soa::CubicTable. Through memory, a lane at a time, as a hardware gather
-// exists on few instruction sets.
+// Looks lanes up in a soa::CubicTable, a lane at a time: a hardware gather exists on few
+// instruction sets, and is slow on some of those.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 
-#include "kernels/pair.hpp"
+#include "kernels/fours.hpp"
 #include "soa/cubic_table.hpp"
 
 namespace salvo::models {
@@ -21,37 +23,35 @@ struct CubicPlace {
     const V scaled = clamp((x - V(table.first())) * V(table.per_interval()), V(0), last);
     const V interval = min(trunc(scaled), last - V(1));
     fraction = scaled - interval;
-    alignas(64) T whole[V::width];
-    interval.store(whole);
+    (interval * V(4)).store(whole);
     for (std::size_t lane = 0; lane < V::width; ++lane) {
-      index[lane] = 4 * static_cast<std::size_t>(whole[lane]);
+      index[lane] = static_cast<std::int32_t>(whole[lane]);
     }
   }
 
-  /// The value in a table of the same intervals; `offset` is that of each lane's table in
-  /// coefficients, or null.
-  V value(const T* coefficients, const std::size_t* offset = nullptr) const {
-    alignas(64) T c[4][V::width];
+  /// Adds to the index of each lane: lane i looks at the i-th of several tables, in coefficients.
+  void shift(V by) {
+    by.store(whole);
     for (std::size_t lane = 0; lane < V::width; ++lane) {
-      const T* from = coefficients + index[lane] + (offset ? offset[lane] : 0);
-      for (std::size_t k = 0; k < 4; ++k) c[k][lane] = from[k];
+      index[lane] += static_cast<std::int32_t>(whole[lane]);
     }
-    return ((V::load(c[3]) * fraction + V::load(c[2])) * fraction + V::load(c[1])) * fraction +
-           V::load(c[0]);
+  }
+
+  /// The value in a table of the same intervals.
+  V value(const T* coefficients) const {
+    const auto c = load_fours(coefficients, index, static_cast<const V*>(nullptr));
+    return ((c[3] * fraction + c[2]) * fraction + c[1]) * fraction + c[0];
   }
 
   /// Its rate of change with x. (Of the held ends it is that inside.)
   V slope(const soa::CubicTable<T>& table) const {
-    alignas(64) T c[4][V::width];
-    for (std::size_t lane = 0; lane < V::width; ++lane) {
-      for (std::size_t k = 1; k < 4; ++k) c[k][lane] = table.coefficients()[index[lane] + k];
-    }
-    return ((V(3) * V::load(c[3]) * fraction + V(2) * V::load(c[2])) * fraction + V::load(c[1])) *
-           V(table.per_interval());
+    const auto c = load_fours(table.coefficients(), index, static_cast<const V*>(nullptr));
+    return ((V(3) * c[3] * fraction + V(2) * c[2]) * fraction + c[1]) * V(table.per_interval());
   }
 
   V fraction;
-  std::size_t index[V::width];
+  alignas(64) T whole[V::width];
+  alignas(64) std::int32_t index[V::width];
 };
 
 }  // namespace SALVO_ISA

@@ -24,8 +24,14 @@ struct Projectile {
 
   static constexpr auto state_fields = flight_fields;
   static constexpr bool of_positions = true;
-  static constexpr std::array<soa::Field, 12> shared_fields{{
+  static constexpr std::array<soa::Field, 1> coefficient_field{{
       {"ballistic_coefficient", soa::Scalar::real, 1, "kg/m^2", "m/(i d^2)", 150, 1e-9, 1e9},
+  }};
+  static constexpr std::array<soa::Field, 1> factor_field{{
+      {"drag_factor", soa::Scalar::real, 1, "m^2/kg", "pi/8 over the ballistic coefficient",
+       kernels::pi / 8 / 150, 0, 1e9},
+  }};
+  static constexpr std::array<soa::Field, 11> shared_fields{{
       {"drag_function", soa::Scalar::real, 1, "", "index in models::drag_functions", 4, 0, 6},
       {"wind_x", soa::Scalar::real, 1, "m/s", "wind downrange", 0, -1e9, 1e9},
       {"wind_y", soa::Scalar::real, 1, "m/s", "wind up", 0, -1e9, 1e9},
@@ -46,7 +52,7 @@ struct Projectile {
       {"rotation_y", soa::Scalar::real, 1, "rad/s", "about y", 0, -1, 1},
       {"rotation_z", soa::Scalar::real, 1, "rad/s", "about z", 0, -1, 1},
   }};
-  static constexpr auto parameter_fields = shared_fields + rotation_fields;
+  static constexpr auto parameter_fields = factor_field + shared_fields + rotation_fields;
   static constexpr std::array<soa::Field, 4> further_inputs{{
       {"mass", soa::Scalar::real, 1, "kg", "for the energy alone", 1, 1e-30, 1e30},
       {"earth_rotation", soa::Scalar::real, 1, "rad/s", "7.292115e-5 for the Coriolis force", 0, -1,
@@ -54,7 +60,8 @@ struct Projectile {
       {"latitude", soa::Scalar::real, 1, "rad", "of the place, north is positive", 0, -1.6, 1.6},
       {"bearing", soa::Scalar::real, 1, "rad", "of x, clockwise from north", 0, -7, 7},
   }};
-  static constexpr auto input_fields = launch_fields + shared_fields + further_inputs;
+  static constexpr auto input_fields =
+      launch_fields + coefficient_field + shared_fields + further_inputs;
   static constexpr auto result_fields = flight_result_fields;
 
   std::array<V, 21> start(const std::array<V, 22>& in) const {
@@ -64,7 +71,8 @@ struct Projectile {
     out[3] = v.x;
     out[4] = v.y;
     out[5] = v.z;
-    for (std::size_t i = 6; i < 18; ++i) out[i] = in[i];
+    out[6] = V(kernels::pi / 8) / in[6];
+    for (std::size_t i = 7; i < 18; ++i) out[i] = in[i];
     const V north = in[19] * cos(in[20]);
     out[18] = north * cos(in[21]);
     out[19] = in[19] * sin(in[20]);
@@ -82,25 +90,19 @@ struct Projectile {
     const kernels::Vec3<V> flow = velocity - wind(s[1], p);
     const CubicPlace<V> place(tables.density, geopotential(s[1] + p[9]));
     const V density = place.value(tables.density.coefficients());
-    const V sound = place.value(tables.speed_of_sound.coefficients());
+    const V slowness = place.value(tables.slowness.coefficients());
 
     const V speed = norm(flow);
-    const CubicPlace<V> mach(tables.drag_place, speed / sound);
-    alignas(64) T function[V::width];
-    p[1].store(function);
-    std::size_t offset[V::width];
-    for (std::size_t lane = 0; lane < V::width; ++lane) {
-      offset[lane] = tables.drag_stride * static_cast<std::size_t>(function[lane]);
-    }
-    const V cd = mach.value(tables.drag.coefficients(), offset);
-    const kernels::Vec3<V> drag = flow * -(V(kernels::pi / 8) * density * cd * speed / p[0]);
+    CubicPlace<V> mach(tables.drag_place, speed * slowness);
+    mach.shift(p[1] * V(static_cast<T>(tables.drag_stride)));
+    const V cd = mach.value(tables.drag.coefficients());
+    const kernels::Vec3<V> drag = flow * -(density * cd * speed * p[0]);
     const kernels::Vec3<V> coriolis = cross(velocity, kernels::Vec3<V>{p[12], p[13], p[14]}) * V(2);
-    const V nearer = V(1) + p[8] * s[1];
     return {s[3],
             s[4],
             s[5],
             drag.x + coriolis.x,
-            drag.y + coriolis.y - p[7] / (nearer * nearer),
+            drag.y + coriolis.y - gravity(s[1], p),
             drag.z + coriolis.z};
   }
 
@@ -121,7 +123,7 @@ struct Projectile {
         return s[4];
       default: {
         const kernels::Vec3<X> flow = kernels::Vec3<X>{s[3], s[4], s[5]} - wind(s[1], p);
-        return norm(flow) / speed_of_sound(s[1] + p[9]) - X(1);
+        return norm(flow) * slowness(s[1] + p[9]) - X(1);
       }
     }
   }
@@ -133,15 +135,22 @@ struct Projectile {
     return radius * height / (radius + height);
   }
 
-  V speed_of_sound(V height) const {
+  // One over the speed of sound.
+  V slowness(V height) const {
     return CubicPlace<V>(tables.density, geopotential(height))
-        .value(tables.speed_of_sound.coefficients());
+        .value(tables.slowness.coefficients());
   }
-  kernels::Dual<V> speed_of_sound(kernels::Dual<V> height) const {
+  kernels::Dual<V> slowness(kernels::Dual<V> height) const {
     const kernels::Dual<V> at = geopotential(height);
     const CubicPlace<V> place(tables.density, at.value);
-    return {place.value(tables.speed_of_sound.coefficients()),
-            place.slope(tables.speed_of_sound) * at.rate};
+    return {place.value(tables.slowness.coefficients()), place.slope(tables.slowness) * at.rate};
+  }
+
+  static V gravity(V y, const std::array<V, 15>& p) {
+    // Divided by one exactly where it does not fall off, whether or not another lane divides.
+    if (!any(p[8] != V(0))) return p[7];
+    const V nearer = V(1) + p[8] * y;
+    return p[7] / (nearer * nearer);
   }
 
   static kernels::Vec3<V> wind(V y, const std::array<V, 15>& p) {

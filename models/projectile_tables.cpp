@@ -110,7 +110,7 @@ ProjectileTables<T> make_tables() {
   append_drag(drag_functions.front(), tables.drag_place);
   tables.drag_stride = 4 * tables.drag_place.intervals();
   tables.density = over_height<T>([](const AirState& air) { return air.density; });
-  tables.speed_of_sound = over_height<T>([](const AirState& air) { return air.speed_of_sound; });
+  tables.slowness = over_height<T>([](const AirState& air) { return 1 / air.speed_of_sound; });
   return tables;
 }
 

@@ -13,10 +13,10 @@ struct ProjectileTables {
   /// All drag functions, one after another on the same Mach numbers, 0 to 5; beyond its last number
   /// a function holds its last value.
   soa::CubicTable<T> drag;
-  soa::CubicTable<T> drag_place;      // the intervals of one function
-  std::size_t drag_stride = 0;        // coefficients of one function
-  soa::CubicTable<T> density;         // kg/m^3, against geopotential height
-  soa::CubicTable<T> speed_of_sound;  // m/s, on the same heights
+  soa::CubicTable<T> drag_place;  // the intervals of one function
+  std::size_t drag_stride = 0;    // coefficients of one function
+  soa::CubicTable<T> density;     // kg/m^3, against geopotential height
+  soa::CubicTable<T> slowness;    // one over the speed of sound, s/m, on the same heights
 };
 
 /// Made once, at the first call.

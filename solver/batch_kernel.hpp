@@ -140,22 +140,22 @@ void finish_rows(const ColumnPass& pass) {
 #define SALVO_JOIN_2(A, B) A##_##B
 #define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
 
-#define SALVO_DEFINE_MODEL(NAME, MODEL)                                          \
-  namespace salvo_models {                                                       \
-  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);          \
-  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){                 \
-      MODEL<salvo::kernels::NativeLane<float>>::state_fields,                    \
-      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,                \
-      salvo::solver::input_fields<MODEL<salvo::kernels::NativeLane<double>>>,    \
-      salvo::solver::result_fields<MODEL<salvo::kernels::NativeLane<double>>>,   \
-      salvo::solver::events_of<MODEL<salvo::kernels::NativeLane<float>>>,        \
-      salvo::solver::of_positions<MODEL<salvo::kernels::NativeLane<float>>>(),   \
-      &salvo::solver::advance_batch<MODEL, float>,                               \
-      &salvo::solver::advance_batch<MODEL, double>,                              \
-      &salvo::solver::integrate_batch<MODEL, float>,                             \
-      &salvo::solver::integrate_batch<MODEL, double>,                            \
-      &salvo::solver::start_rows<MODEL>,                                         \
-      &salvo::solver::finish_rows<MODEL>};                                       \
+#define SALVO_DEFINE_MODEL(NAME, MODEL)                                        \
+  namespace salvo_models {                                                     \
+  extern const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA);        \
+  const salvo::solver::BatchKernels SALVO_JOIN(NAME, SALVO_ISA){               \
+      MODEL<salvo::kernels::NativeLane<float>>::state_fields,                  \
+      MODEL<salvo::kernels::NativeLane<float>>::parameter_fields,              \
+      salvo::solver::input_fields<MODEL<salvo::kernels::NativeLane<double>>>,  \
+      salvo::solver::result_fields<MODEL<salvo::kernels::NativeLane<double>>>, \
+      salvo::solver::events_of<MODEL<salvo::kernels::NativeLane<float>>>,      \
+      salvo::solver::of_positions<MODEL<salvo::kernels::NativeLane<float>>>(), \
+      &salvo::solver::advance_batch<MODEL, float>,                             \
+      &salvo::solver::advance_batch<MODEL, double>,                            \
+      &salvo::solver::integrate_batch<MODEL, float>,                           \
+      &salvo::solver::integrate_batch<MODEL, double>,                          \
+      &salvo::solver::start_rows<MODEL>,                                       \
+      &salvo::solver::finish_rows<MODEL>};                                     \
   }
 
 #if defined(__aarch64__)

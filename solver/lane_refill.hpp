@@ -143,8 +143,8 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
       if (watched) {
         const W reached = level_quantity(pass, select(last, end, time + h), next);
         const Remarks<W> remarks =
-            remarks_on<W>(pass, model, y, slope, next, k[integrators::pair_stages - 1], p, t0 + time,
-                          h, reached, rows.next_level, working & accepted);
+            remarks_on<W>(pass, model, y, slope, next, k[integrators::pair_stages - 1], p,
+                          t0 + time, h, reached, rows.next_level, working & accepted);
         if (any(remarks.any)) {
           remarkable.put_aside(rows, remarks, y, slope, time, h, reached);
           rows.pass_levels(select(accepted, reached, W(-std::numeric_limits<T>::infinity())));

@@ -42,9 +42,9 @@ integrators::QuantityOverStep<W> quantity_over(const M& model, std::size_t event
   using D = kernels::Dual<W>;
   const auto constants = kernels::array_of<P>([&](std::size_t i) { return D(p[i], W(0)); });
   const auto at = [&](W time, const std::array<W, N>& y, const std::array<W, N>& slope) {
-    return model.quantity(
-        event, D(time, W(1)),
-        kernels::array_of<N>([&](std::size_t i) { return D(y[i], slope[i]); }), constants);
+    return model.quantity(event, D(time, W(1)),
+                          kernels::array_of<N>([&](std::size_t i) { return D(y[i], slope[i]); }),
+                          constants);
   };
   const D first = at(t, start, start_slope);
   const D last = at(t + h, end, end_slope);
@@ -74,8 +74,8 @@ Remarks<W> remarks_on(const IntegratePass<T>& pass, const M& model, const std::a
       const auto near = of & may_cross(q);
       if (!any(near)) continue;
       const models::Direction way = M::events[e].direction;
-      const auto bracket = first_bracket(q, way != models::Direction::rising,
-                                         way != models::Direction::falling);
+      const auto bracket =
+          first_bracket(q, way != models::Direction::rising, way != models::Direction::falling);
       remarks.any = remarks.any | (near & (bracket.found | bracket.graze));
       if (has(pass.stop_at, e)) remarks.stops = remarks.stops | (near & bracket.found);
     }
@@ -250,8 +250,8 @@ class RemarkableSteps {
     const auto q = over(c, step, e);
     const auto bracket = bracket_of(q, e);
     if (!any(bracket.graze)) return;
-    const W value = model_.quantity(e, c.t + c.h * bracket.graze_place, step.at(bracket.graze_place),
-                                    c.p);
+    const W value =
+        model_.quantity(e, c.t + c.h * bracket.graze_place, step.at(bracket.graze_place), c.p);
     const Flags<W> grazes(bracket.graze & (bracket.graze_place <= end_place) &
                           (abs(value) <= q.scale() * W(integrators::graze_depth)));
     for (std::size_t i = 0; i < count_; ++i) {

@@ -53,7 +53,7 @@ Particle read_particle(const soa::Table& table, std::size_t row) {
 
 inline Particle read_particle(const soa::Table& table, std::size_t row) {
   return table.precision() == soa::Precision::float32 ? read_particle<float>(table, row)
-                                                     : read_particle<double>(table, row);
+                                                      : read_particle<double>(table, row);
 }
 
 inline std::vector<Particle> read_particles(const soa::Table& table) {
