@@ -38,8 +38,8 @@ std::span<const CommandEntry> commands() {
        "run",
        "SCENE",
        "run a scene and record it",
-       "Runs a scene and records its frames and checkpoints into a folder. Ctrl-C leaves a "
-       "checkpoint\n"
+       "Runs a scene and records its frames and checkpoints, or its trajectories, into a folder.\n"
+       "Ctrl-C leaves a checkpoint\n"
        "that --resume goes on from, to the same files as without the interruption; a run that is "
        "killed\n"
        "goes on from its last checkpoint.\n"
@@ -47,6 +47,8 @@ std::span<const CommandEntry> commands() {
        {{"--out", "-o", "DIR", "where to record; out/NAME OF THE SCENE by default"},
         {"--resume", "", "", "go on from the newest intact state in that folder"},
         {"--force", "-f", "", "replace another scene's recording"},
+        {"--index", "", "N", "one row of a sweep, alone, with the bits that it has among the others"},
+        {"--shard", "", "I/N", "the I-th of N equal shares of a sweep's rows; salvo merge joins them"},
         set,
         isa,
         threads,
@@ -57,7 +59,10 @@ std::span<const CommandEntry> commands() {
        "  salvo run scenes/explosion.toml\n"
        "  salvo run scenes/explosion.toml --out /data/boom --threads 8\n"
        "  salvo run scenes/explosion.toml --set seed=7 --set emitter.0.count=5000\n"
-       "  salvo run scenes/explosion.toml --out /data/boom --resume\n"},
+       "  salvo run scenes/explosion.toml --out /data/boom --resume\n"
+       "  salvo run scenes/dispersion.toml\n"
+       "  salvo run scenes/dispersion.toml --index 123456\n"
+       "  salvo run scenes/dispersion.toml --shard 2/8 --out /data/shard2\n"},
       {Verb::verify,
        "verify",
        "SCENE...",
@@ -121,14 +126,28 @@ std::span<const CommandEntry> commands() {
         quiet,
         help},
        "  salvo export out/explosion --format csv --frame 12 -o -\n"
-       "  salvo export out/explosion --format npy --columns id,position\n"},
+       "  salvo export out/explosion --format npy --columns id,position\n"
+       "  salvo export out/dispersion --format csv\n"},
+      {Verb::merge,
+       "merge",
+       "DIR...",
+       "put the shards of a sweep together",
+       "Checks that the shards are of one scene and cover all its rows, copies them into one folder, "
+       "and\n"
+       "tells of them what one run of the whole sweep tells, with the same hash.",
+       {{"--out", "-o", "DIR", "where the whole sweep goes"},
+        {"--force", "-f", "", "replace another scene's recording"},
+        json,
+        quiet,
+        help},
+       "  salvo merge /data/shard1 /data/shard2 --out /data/dispersion\n"},
   };
   return table;
 }
 
 std::string general_help() {
   std::string text =
-      "salvo: steps millions of particles, with the same bits on every machine.\n"
+      "salvo: steps millions of particles and trajectories, with the same bits on every machine.\n"
       "\n"
       "usage: salvo COMMAND [OPTIONS]\n"
       "\n";
@@ -140,6 +159,7 @@ std::string general_help() {
       "\n"
       "examples:\n"
       "  salvo run scenes/explosion.toml              records into out/explosion\n"
+      "  salvo run scenes/dispersion.toml             a million trajectories and their statistics\n"
       "  salvo verify scenes/explosion.toml           the same bits however it is run?\n"
       "  salvo export out/explosion --format csv      frames as text\n"
       "\n"

@@ -8,6 +8,7 @@
 
 #include "cli/json.hpp"
 #include "cli/progress.hpp"
+#include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
@@ -72,6 +73,9 @@ void print_frame(const fs::path& path, const Options& options) {
 
 ExitStatus export_frames(const Options& options) try {
   const fs::path input = options.inputs.front();
+  if (fs::is_directory(input) && !recording::list_parts(input).empty()) {
+    return export_sweep(options);
+  }
   const std::optional<fs::path> single = single_file(input, options);
   if (options.out == "-") {
     if (options.json) throw UsageError("--out - and --json both write to stdout");

@@ -6,6 +6,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_input.hpp"
 #include "cli/stepper.hpp"
+#include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
@@ -13,7 +14,9 @@
 namespace salvo::cli {
 
 ExitStatus hash(const Options& options) {
-  const scene::Scene scene = load_scene(options.inputs.front(), options);
+  const scene::AnyScene any = load_scene(options.inputs.front(), options);
+  if (const auto* sweep = std::get_if<scene::SweepScene>(&any)) return hash_sweep(options, *sweep);
+  const auto& scene = std::get<scene::Scene>(any);
   check_memory(scene, run_bytes(scene, false));
   solver::World world(scene.setup, options.execution());
   Progress progress(options.quiet);

@@ -7,10 +7,12 @@
 #include "cli/json.hpp"
 #include "cli/memory.hpp"
 #include "cli/scene_input.hpp"
+#include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
 #include "scene/scene_keys.hpp"
+#include "scene/sweep_keys.hpp"
 #include "scene/words.hpp"
 
 namespace salvo::cli {
@@ -217,14 +219,22 @@ ExitStatus info(const Options& options) {
     if (options.json) {
       Json keys = Json::array();
       add_keys(scene::scene_section(), keys);
-      print_json({{"keys", keys}});
+      Json sweep_keys = Json::array();
+      add_keys(scene::sweep_section(), sweep_keys);
+      print_json({{"keys", keys}, {"trajectory_keys", sweep_keys}});
     } else {
       print(scene::key_reference());
+      print("\n## Scenes of trajectories\n\n" + scene::sweep_key_reference());
     }
   } else if (options.inputs.empty()) {
     describe_machine(options);
   } else {
-    describe_scene(load_scene(options.inputs.front(), options), options);
+    const scene::AnyScene any = load_scene(options.inputs.front(), options);
+    if (const auto* sweep = std::get_if<scene::SweepScene>(&any)) {
+      describe_sweep(options, *sweep);
+    } else {
+      describe_scene(std::get<scene::Scene>(any), options);
+    }
   }
   return ExitStatus::done;
 }

@@ -37,6 +37,8 @@ ExitStatus dispatch(const Options& options) {
       return hash(options);
     case Verb::export_frames:
       return export_frames(options);
+    case Verb::merge:
+      return merge(options);
   }
   return ExitStatus::done;
 }

@@ -225,6 +225,17 @@ std::int64_t whole_number(std::string_view option, const std::string& word, std:
   return number;
 }
 
+// "2/8" is the second of eight.
+std::pair<std::uint64_t, std::uint64_t> shard_of(const std::string& word) {
+  const std::size_t slash = word.find('/');
+  if (slash == std::string::npos) {
+    throw UsageError(fmt::format("--shard {}: expected i/n", word), "such as 1/4, to 4/4");
+  }
+  const std::int64_t shards = whole_number("--shard", word.substr(slash + 1), 1, 1'000'000);
+  const std::int64_t shard = whole_number("--shard", word.substr(0, slash), 1, shards);
+  return {static_cast<std::uint64_t>(shard), static_cast<std::uint64_t>(shards)};
+}
+
 solver::Isa isa_of(const std::string& word) {
   std::vector<std::string_view> names;
   for (const solver::Isa isa : solver::available_isas()) names.push_back(solver::name(isa));
@@ -279,7 +290,8 @@ void check_info(const Options& options) {
 void check_operands(const Found& found) {
   const CommandEntry& command = *found.command;
   if (found.operands.empty() && command.needs_operand()) {
-    const bool recording = command.verb == Verb::export_frames;
+    const bool recording =
+        command.verb == Verb::export_frames || command.verb == Verb::merge;
     throw UsageError(
         fmt::format("salvo {} needs a {}", command.name, recording ? "recording" : "scene"),
         fmt::format("for example: salvo {} {}{}", command.name,
@@ -345,11 +357,22 @@ Options parse(int argc, const char* const* argv) {
   } else if (options.verb == Verb::export_frames) {
     throw UsageError("salvo export needs a --format", "the formats are csv, npy and ply");
   }
+  if (const auto given = found.values.find("--index"); given != found.values.end()) {
+    options.index =
+        static_cast<std::uint64_t>(whole_number("--index", given->second[0], 0, 1LL << 40));
+  }
+  if (const auto given = found.values.find("--shard"); given != found.values.end()) {
+    options.shard = shard_of(given->second[0]);
+  }
   options.columns = words_of(found, "--columns");
   options.resume = found.has("--resume");
   options.force = found.has("--force");
   if (options.resume && options.force) {
     throw UsageError("--resume keeps what --force replaces", "give one of them");
+  }
+  if (options.index && (options.shard || options.resume || options.out)) {
+    throw UsageError("--index runs one row and records nothing",
+                     "leave out --out, --resume and --shard");
   }
   options.json = found.has("--json");
   options.quiet = found.has("--quiet");

@@ -15,7 +15,7 @@
 
 namespace salvo::cli {
 
-enum class Verb { help, version, run, verify, validate, info, hash, export_frames };
+enum class Verb { help, version, run, verify, validate, info, hash, export_frames, merge };
 
 struct Options {
   Verb verb = Verb::help;
@@ -37,6 +37,8 @@ struct Options {
   bool keys = false;  ///< list the keys of a scene
   recording::ExportFormat format = recording::ExportFormat::csv;
   std::optional<std::int64_t> frame;
+  std::optional<std::uint64_t> index;  ///< of one row of a sweep
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> shard;  ///< i of n, from 1
   std::vector<std::string> columns;
 
   /// For the commands that take one value of each.

@@ -14,6 +14,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_input.hpp"
 #include "cli/stepper.hpp"
+#include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
@@ -288,7 +289,13 @@ std::filesystem::path default_directory(const scene::Scene& scene) {
 }  // namespace
 
 ExitStatus run(const Options& options) {
-  const scene::Scene scene = load_scene(options.inputs.front(), options);
+  const scene::AnyScene any = load_scene(options.inputs.front(), options);
+  if (const auto* sweep = std::get_if<scene::SweepScene>(&any)) return run_sweep(options, *sweep);
+  const auto& scene = std::get<scene::Scene>(any);
+  if (options.index || options.shard) {
+    throw UsageError("--index and --shard are for scenes of trajectories",
+                     fmt::format("{} is one of particles", scene.path));
+  }
   check_memory(scene, run_bytes(scene, true));
   catch_interruptions();
   const std::filesystem::path directory = options.out.value_or(default_directory(scene));

@@ -32,9 +32,9 @@ std::string similar_scene(const std::filesystem::path& path) {
 
 }  // namespace
 
-scene::Scene load_scene(const std::string& path, const Options& options) {
+scene::AnyScene load_scene(const std::string& path, const Options& options) {
   try {
-    return scene::load(path, options.overrides);
+    return scene::load_any(path, options.overrides);
   } catch (const std::system_error& error) {
     throw Failure(ExitStatus::input_output,
                   fmt::format("cannot read {}: {}", path, error.code().message()),
@@ -57,7 +57,7 @@ std::string shell_quoted(const std::string& word) {
   return quoted + "'";
 }
 
-std::string command_for(const scene::Scene& scene, const std::string& verb) {
+std::string command_for(const scene::SceneText& scene, const std::string& verb) {
   std::string command = fmt::format("salvo {} {}", verb, shell_quoted(scene.path));
   for (const std::string& change : scene.overrides) command += " --set " + shell_quoted(change);
   return command;

@@ -15,8 +15,18 @@ ExitStatus validate(const Options& options) {
   for (const std::string& path : options.inputs) {
     Json document = {{"path", path}, {"valid", false}};
     try {
-      const scene::Scene scene = load_scene(path, options);
+      const scene::AnyScene any = load_scene(path, options);
       document["valid"] = true;
+      if (const auto* sweep = std::get_if<scene::SweepScene>(&any)) {
+        document["digest"] = to_string(scene::row_digest(*sweep));
+        if (!options.json) {
+          print(fmt::format("{}: valid, {}\n", path,
+                            counted(solver::Sweep(sweep->setup).rows(), "trajectory")));
+        }
+        documents.push_back(std::move(document));
+        continue;
+      }
+      const auto& scene = std::get<scene::Scene>(any);
       document["digest"] = to_string(scene::scene_digest(scene));
       if (!options.json) {
         print(fmt::format("{}: valid, {}, {}\n", path,

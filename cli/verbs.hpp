@@ -13,5 +13,6 @@ ExitStatus validate(const Options& options);
 ExitStatus info(const Options& options);
 ExitStatus hash(const Options& options);
 ExitStatus export_frames(const Options& options);
+ExitStatus merge(const Options& options);
 
 }  // namespace salvo::cli

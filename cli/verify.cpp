@@ -10,6 +10,7 @@
 #include "cli/memory.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_input.hpp"
+#include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
 #include "cli/verbs.hpp"
@@ -52,7 +53,11 @@ scene::VerifyOptions settings_of(const Options& options) {
 
 // Prints a scene's table; fills in its document.
 ExitStatus verify_scene(const std::string& path, const Options& options, Json& document) {
-  const scene::Scene scene = load_scene(path, options);
+  const scene::AnyScene any = load_scene(path, options);
+  if (const auto* sweep = std::get_if<scene::SweepScene>(&any)) {
+    return verify_sweep(options, *sweep, document);
+  }
+  const auto& scene = std::get<scene::Scene>(any);
   const scene::Scene verified = options.full ? scene : scene::scaled_for_verify(scene);
   // The world, the copy of its last equal frame, and what a restore passes through.
   check_memory(verified, 3 * run_bytes(verified, false));

@@ -128,7 +128,7 @@ bool checkpoint_due(const scene::Scene& scene, std::int64_t step) {
 std::optional<CheckpointData> resume_point(const std::filesystem::path& directory,
                                            const scene::Scene& scene, std::int64_t last_step,
                                            const Report& report) {
-  check_ownership(directory, scene);
+  check_ownership(directory, scene::scene_digest(scene));
   std::vector<NumberedFile> states;  // full ones, by step
 
   // Nothing is recomputed before the state that the run goes on from, so all before it must be in

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::string_view frame_prefix = "frame_";
 constexpr std::string_view checkpoint_prefix = "checkpoint_";
+constexpr std::string_view part_prefix = "rows_";
 constexpr std::string_view extension = ".hdf";  // the only one that ParaView's reader takes
 
 // The number in PREFIX<digits>.hdf, if the name is exactly what we would call that number.
@@ -39,8 +40,14 @@ std::optional<std::int64_t> checkpoint_step(std::string_view file) {
   return number_in(file, checkpoint_prefix, checkpoint_name);
 }
 
+std::optional<std::int64_t> part_number(std::string_view file) {
+  return number_in(file, part_prefix, part_name);
+}
+
 bool is_recording_name(std::string_view file) {
-  return file == series_name || file == run_name || frame_number(file) || checkpoint_step(file);
+  return file == series_name || file == run_name || file == trajectories_name ||
+         file == statistics_name || frame_number(file) || checkpoint_step(file) ||
+         part_number(file);
 }
 
 std::optional<std::string_view> partial_of(std::string_view file) {
@@ -81,6 +88,14 @@ std::string frame_name(std::int64_t frame) {
 
 std::string checkpoint_name(std::int64_t step) {
   return fmt::format("{}{:09}{}", checkpoint_prefix, step, extension);
+}
+
+std::string part_name(std::int64_t part) {
+  return fmt::format("{}{:06}{}", part_prefix, part, extension);
+}
+
+std::vector<NumberedFile> list_parts(const std::filesystem::path& directory) {
+  return list(directory, part_number);
 }
 
 std::vector<NumberedFile> list_frames(const std::filesystem::path& directory) {

@@ -83,6 +83,7 @@ void write_csv(const Frame& frame, const Sink& sink) {
     const std::byte* values;
     std::size_t stride;
     Append append;
+    const std::vector<std::string>* words;
   };
   std::vector<Cell> cells;
   Block block(sink);
@@ -94,14 +95,23 @@ void write_csv(const Frame& frame, const Sink& sink) {
     for (std::size_t c = 0; c < column.components; ++c) {
       block.text() += (cells.empty() ? "" : ",") + component_name(column, c);
       if (!column.unit.empty()) block.text() += fmt::format(" [{}]", column.unit);
-      cells.push_back({column.values.data() + c * size, column.components * size, append});
+      cells.push_back({column.values.data() + c * size, column.components * size, append,
+                       column.words.empty() ? nullptr : &column.words});
     }
   }
   block.text() += '\n';
   for (std::size_t row = 0; row < frame.rows; ++row) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (i != 0) block.text() += ',';
-      cells[i].append(block.text(), cells[i].values + row * cells[i].stride);
+      const Cell& cell = cells[i];
+      const std::byte* value = cell.values + row * cell.stride;
+      if (cell.words) {
+        std::uint32_t word = 0;
+        std::memcpy(&word, value, sizeof word);
+        block.text() += cell.words->at(word);
+      } else {
+        cell.append(block.text(), value);
+      }
     }
     block.text() += '\n';
     block.pass_on_when_full();

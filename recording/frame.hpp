@@ -63,6 +63,7 @@ struct FrameColumn {
   soa::Scalar scalar = soa::Scalar::real;
   std::size_t components = 1;
   std::vector<std::byte> values;
+  std::vector<std::string> words;  ///< what the values stand for, where they stand for names
 };
 
 struct Frame {

@@ -9,8 +9,9 @@
 #include <string_view>
 #include <type_traits>
 
+#include "recording/column_reader.hpp"
 #include "recording/hdf5.hpp"
-#include "recording/sealed_file.hpp"
+#include "recording/sealed_hdf5.hpp"
 #include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
 #include "solver/diagnostic_fields.hpp"
@@ -20,24 +21,6 @@ namespace salvo::recording {
 namespace {
 
 using hdf5::Handle;
-
-// Runs `read` on the verified file. A file that is intact and still not understood is one of
-// another program or version.
-template <class Read>
-auto with_file(const std::filesystem::path& path, Read read) {
-  verify_seal(path);
-  const hdf5::Session session;
-  try {
-    const Handle file = hdf5::open_file(path);
-    return read(file);
-  } catch (const hdf5::Error& error) {
-    throw CorruptFile(
-        fmt::format("cannot read {}: it is intact but not a frame of this version: {}",
-                    path.string(), error.what()));
-  } catch (const std::invalid_argument& error) {  // a digest that is none
-    throw CorruptFile(fmt::format("cannot read {}: {}", path.string(), error.what()));
-  }
-}
 
 FrameInfo info_of(hid_t file) {
   using hdf5::read_attribute;
@@ -85,36 +68,6 @@ FrameInfo info_of(hid_t file) {
   return info;
 }
 
-soa::Scalar scalar_of(hid_t type, soa::Precision precision, const std::string& name) {
-  const hid_t real =
-      precision == soa::Precision::float32 ? hdf5::type_of<float>() : hdf5::type_of<double>();
-  if (H5Tequal(type, real) > 0) return soa::Scalar::real;
-  if (H5Tequal(type, hdf5::type_of<std::int32_t>()) > 0) return soa::Scalar::int32;
-  if (H5Tequal(type, hdf5::type_of<std::uint32_t>()) > 0) return soa::Scalar::uint32;
-  if (H5Tequal(type, hdf5::type_of<std::uint64_t>()) > 0) return soa::Scalar::uint64;
-  throw hdf5::Error(fmt::format("dataset {} has an unknown type", name));
-}
-
-FrameColumn column_of(hid_t particles, const std::string& name, soa::Precision precision,
-                      std::size_t& rows) {
-  const Handle dataset = hdf5::open_dataset(particles, name);
-  const Handle type = hdf5::type_of_dataset(dataset);
-  const hdf5::Extents extents = hdf5::extents_of(dataset);
-  if (extents.empty() || extents.size() > 2) {
-    throw hdf5::Error(fmt::format("dataset {} is not a table of rows", name));
-  }
-  FrameColumn column;
-  column.name = name;
-  column.unit = hdf5::read_text_attribute(dataset, "units");
-  column.meaning = hdf5::read_text_attribute(dataset, "meaning");
-  column.scalar = scalar_of(type, precision, name);
-  column.components = extents.size() == 2 ? extents[1] : 1;
-  rows = extents[0];
-  column.values.resize(rows * column.components * size_of(column.scalar, precision));
-  hdf5::read_all(dataset, type, column.values.data());
-  return column;
-}
-
 // The place of a field in the list of fields; unknown ones come last.
 std::size_t place_of(const FrameColumn& column) {
   const std::span<const soa::Field> fields = soa::particle_fields;
@@ -127,16 +80,16 @@ std::size_t place_of(const FrameColumn& column) {
 }  // namespace
 
 FrameInfo read_frame_info(const std::filesystem::path& path) {
-  return with_file(path, [](hid_t file) { return info_of(file); });
+  return with_sealed_hdf5(path, "a frame", [](hid_t file) { return info_of(file); });
 }
 
 Frame read_frame(const std::filesystem::path& path) {
-  return with_file(path, [](hid_t file) {
+  return with_sealed_hdf5(path, "a frame", [](hid_t file) {
     Frame frame{info_of(file), 0, {}};
     const Handle particles = hdf5::open_group(file, "particles");
     for (const std::string& name : hdf5::names_in(particles)) {
       std::size_t rows = 0;
-      frame.columns.push_back(column_of(particles, name, frame.info.precision, rows));
+      frame.columns.push_back(read_column(particles, name, frame.info.precision, rows));
       if (frame.columns.size() > 1 && rows != frame.rows) {
         throw hdf5::Error(fmt::format("dataset {} has another number of rows", name));
       }

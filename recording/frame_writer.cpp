@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "recording/field_dataset.hpp"
 #include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
 #include "solver/diagnostic_fields.hpp"
@@ -26,20 +27,6 @@ using soa::Scalar;
 
 constexpr std::span<const soa::Field> fields = soa::particle_fields;
 constexpr auto position = static_cast<std::size_t>(ParticleField::position);
-
-hid_t type_of(Scalar scalar, Precision precision) {
-  switch (scalar) {
-    case Scalar::real:
-      return precision == Precision::float32 ? hdf5::type_of<float>() : hdf5::type_of<double>();
-    case Scalar::int32:
-      return hdf5::type_of<std::int32_t>();
-    case Scalar::uint32:
-      return hdf5::type_of<std::uint32_t>();
-    case Scalar::uint64:
-      return hdf5::type_of<std::uint64_t>();
-  }
-  return H5I_INVALID_HID;
-}
 
 hdf5::Extents extents_of(const soa::Field& field, std::size_t rows) {
   return field.components == 1 ? hdf5::Extents{rows} : hdf5::Extents{rows, field.components};
@@ -104,26 +91,10 @@ hdf5::MemoryFile FrameWriter::compose(const StateInfo& state, const Rows& rows, 
 
 Handle FrameWriter::create_column(hid_t group, const FieldRows& columns, const Rows& rows) const {
   const soa::Field& field = fields[columns.field];
-  const hid_t type = type_of(field.scalar, scene_.setup.precision);
-  const hdf5::Extents extents = extents_of(field, rows.count);
-  const std::string name(field.name);
-
-  Handle dataset;
-  if (rows.stored[columns.field]) {
-    dataset = hdf5::create_dataset(group, name, type, extents);
-  } else {
-    // HDF5 converts from double; the values of integer fields are exact in it.
-    const double value = rows.uniform[columns.field];
-    std::array<std::byte, 8> constant{};
-    std::memcpy(constant.data(), &value, sizeof value);
-    hdf5::checked(
-        H5Tconvert(hdf5::type_of<double>(), type, 1, constant.data(), nullptr, H5P_DEFAULT),
-        "convert a uniform value");
-    dataset = hdf5::create_constant_dataset(group, name, type, extents, constant.data());
-  }
-  hdf5::write_attribute(dataset, "units", field.unit);
-  hdf5::write_attribute(dataset, "meaning", field.meaning);
-  return dataset;
+  const bool stored = rows.stored[columns.field];
+  return create_field_dataset(group, std::string(field.name), field, scene_.setup.precision,
+                              extents_of(field, rows.count),
+                              stored ? std::nullopt : std::optional(rows.uniform[columns.field]));
 }
 
 void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& rows,

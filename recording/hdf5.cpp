@@ -212,6 +212,25 @@ std::optional<std::size_t> offset_of(hid_t dataset) {
   return offset == HADDR_UNDEF ? std::nullopt : std::optional<std::size_t>(offset);
 }
 
+Handle create_virtual_dataset(hid_t parent, const std::string& name, hid_t type,
+                              const Extents& extents, const std::string& path,
+                              std::span<const VirtualPart> parts) {
+  const Handle properties = dataset_properties();
+  const Handle space = dataspace(extents);
+  Extents start(extents.size(), 0);
+  for (const VirtualPart& part : parts) {
+    Extents block = extents;
+    block[0] = part.rows;
+    checked(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr),
+            "select rows");
+    const Handle source = dataspace(block);
+    checked(H5Pset_virtual(properties, space, part.file.c_str(), path.c_str(), source),
+            "map a dataset");
+    start[0] += part.rows;
+  }
+  return create(parent, name, type, extents, properties);
+}
+
 Handle open_dataset(hid_t parent, const std::string& name) {
   return {H5Dopen2(parent, name.c_str(), H5P_DEFAULT), "open dataset " + name};
 }

@@ -109,6 +109,16 @@ Handle create_constant_dataset(hid_t parent, const std::string& name, hid_t type
 Handle create_deflated_dataset(hid_t parent, const std::string& name, hid_t type, hsize_t count,
                                hsize_t block);
 void write_deflated_block(hid_t dataset, hsize_t first, std::span<const std::byte> deflated);
+/// Rows of a dataset in another file of the same folder.
+struct VirtualPart {
+  std::string file;
+  hsize_t rows;
+};
+/// A dataset that shows those of the same path in other files, one after the other. `extents` are
+/// its own: the sum of their rows, then what a row has.
+Handle create_virtual_dataset(hid_t parent, const std::string& name, hid_t type,
+                              const Extents& extents, const std::string& path,
+                              std::span<const VirtualPart> parts);
 Handle open_dataset(hid_t parent, const std::string& name);
 Extents extents_of(hid_t dataset);
 Handle type_of_dataset(hid_t dataset);

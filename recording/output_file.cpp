@@ -79,6 +79,19 @@ void write_file(const std::filesystem::path& target, std::string_view text, Dura
   file.commit(durability);
 }
 
+void copy_file(const std::filesystem::path& source, const std::filesystem::path& target) {
+  const std::filesystem::path partial = partial_path(target);
+  std::error_code error;
+  std::filesystem::copy_file(source, partial, std::filesystem::copy_options::overwrite_existing,
+                             error);
+  if (!error) std::filesystem::rename(partial, target, error);
+  if (!error) return;
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+  throw OutputError(fmt::format("cannot write {}: {}", target.string(), error.message()),
+                    error.value());
+}
+
 void ensure_directory(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);

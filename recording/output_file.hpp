@@ -42,6 +42,8 @@ void write_file(const std::filesystem::path& target, std::string_view text,
 /// Where a file is written until it is complete.
 std::filesystem::path partial_path(const std::filesystem::path& target);
 
+/// A copy under the target's name, complete or not there.
+void copy_file(const std::filesystem::path& source, const std::filesystem::path& target);
 void ensure_directory(const std::filesystem::path& directory);
 void remove_file(const std::filesystem::path& path);
 

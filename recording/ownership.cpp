@@ -10,6 +10,7 @@
 #include "recording/directory.hpp"
 #include "recording/frame_reader.hpp"
 #include "recording/run_report.hpp"
+#include "recording/sweep_part.hpp"
 
 namespace salvo::recording {
 
@@ -17,6 +18,12 @@ std::optional<solver::Digest> recorded_scene(const std::filesystem::path& direct
   try {
     if (const auto run = read_run_report(directory)) return run->scene_digest;
   } catch (const CorruptFile&) {  // the frames know, too
+  }
+  for (const NumberedFile& part : list_parts(directory)) {
+    try {
+      return read_part_info(part.path).row_digest;
+    } catch (const CorruptFile&) {  // the next one may be intact
+    }
   }
   for (const auto& files : {list_checkpoints(directory), list_frames(directory)}) {
     for (const NumberedFile& file : files) {
@@ -29,7 +36,7 @@ std::optional<solver::Digest> recorded_scene(const std::filesystem::path& direct
   return std::nullopt;
 }
 
-void check_ownership(const std::filesystem::path& directory, const scene::Scene& scene) {
+void check_ownership(const std::filesystem::path& directory, const solver::Digest& scene) {
   const std::vector<std::filesystem::path> files = recording_files(directory);
   if (files.empty()) return;
   const auto recorded = recorded_scene(directory);
@@ -37,11 +44,11 @@ void check_ownership(const std::filesystem::path& directory, const scene::Scene&
     throw ForeignRecording(fmt::format("{} exists and is not known to be a recording of salvo's",
                                        files.front().string()));
   }
-  if (*recorded != scene_digest(scene)) {
+  if (*recorded != scene) {
     throw ForeignRecording(
         fmt::format("{} holds the recording of another scene, or of this one with other settings "
                     "(digest {}, not {})",
-                    directory.string(), to_string(*recorded), to_string(scene_digest(scene))));
+                    directory.string(), to_string(*recorded), to_string(scene)));
   }
 }
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "recording/errors.hpp"
-#include "scene/scene.hpp"
 #include "solver/state_hash.hpp"
 
 namespace salvo::recording {
@@ -16,8 +15,8 @@ namespace salvo::recording {
 std::optional<solver::Digest> recorded_scene(const std::filesystem::path& directory);
 
 /// Throws ForeignRecording unless the directory holds nothing that looks like a recording, or one
-/// of this scene.
-void check_ownership(const std::filesystem::path& directory, const scene::Scene& scene);
+/// of the scene of this digest.
+void check_ownership(const std::filesystem::path& directory, const solver::Digest& scene);
 
 /// Keeps a second run from recording into the same directory; released when the process ends,
 /// however it ends.

@@ -41,8 +41,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
-
 std::filesystem::path created(std::filesystem::path directory) {
   ensure_directory(directory);
   return directory;
@@ -125,7 +123,7 @@ class Recorder::Impl {
   const DirectoryLock directory_lock_;
   const std::vector<std::size_t> fields_;
   const Selection selection_;
-  const std::string started_ = now();
+  const std::string started_ = utc_now();
   const Clock::time_point start_ = Clock::now();
   std::optional<StateInfo> last_;
   std::uint64_t particle_steps_ = 0;
@@ -173,7 +171,7 @@ Recorder::Impl::Impl(std::filesystem::path directory, const scene::Scene& scene,
       checkpoint_writer_(scene_),
       frame_writer_(scene_) {
   try {
-    check_ownership(directory_, scene_);
+    check_ownership(directory_, scene::scene_digest(scene_));
   } catch (const ForeignRecording&) {
     if (!options_.overwrite) throw;
     for (const std::filesystem::path& path : recording_files(directory_)) remove_file(path);

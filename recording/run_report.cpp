@@ -1,10 +1,12 @@
 #include "recording/run_report.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -61,6 +63,27 @@ Json to_json(const solver::Removals& removals) {
   return json;
 }
 
+Json versions() {
+  return {{"salvo", SALVO_VERSION},
+          {"contract", scene::contract_version},
+          {"hdf5", hdf5::library_version()},
+          {"compiler", __VERSION__}};
+}
+
+Json machine(const solver::Execution& execution) {
+  return {{"isa", solver::name(execution.isa)},
+          {"threads", execution.threads},
+          {"pass_steps", execution.pass_steps},
+          {"processor", processor()},
+          {"system", operating_system()}};
+}
+
+// Text of the user's that is not UTF-8 is shown as well as can be rather than refused.
+void write(const std::filesystem::path& directory, const Json& json) {
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  write_file(directory / run_name, text, Durability::machine);
+}
+
 }  // namespace
 
 std::string_view name(RunStatus status) { return status_names[static_cast<std::size_t>(status)]; }
@@ -73,11 +96,7 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
       {"status", name(report.status)},
       {"reason", report.reason},
       {"command", report.command_line},
-      {"versions",
-       {{"salvo", SALVO_VERSION},
-        {"contract", scene::contract_version},
-        {"hdf5", hdf5::library_version()},
-        {"compiler", __VERSION__}}},
+      {"versions", versions()},
       {"scene",
        {{"path", scene.path},
         {"title", scene.title},
@@ -90,12 +109,7 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
       {"result", report.last ? to_json(*report.last) : Json()},
       {"removed",
        {{"left_domain", to_json(report.left_domain)}, {"non_finite", to_json(report.non_finite)}}},
-      {"machine",
-       {{"isa", solver::name(report.execution.isa)},
-        {"threads", report.execution.threads},
-        {"pass_steps", report.execution.pass_steps},
-        {"processor", processor()},
-        {"system", operating_system()}}},
+      {"machine", machine(report.execution)},
       {"timing",
        {{"started", report.started},
         {"wall_seconds", report.wall_seconds},
@@ -106,9 +120,39 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
         {"frames", report.frames},
         {"bytes_written", report.bytes_written}}},
   };
-  // Text of the user's that is not UTF-8 is shown as well as can be rather than refused.
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  write_file(directory / run_name, text, Durability::machine);
+  write(directory, json);
+}
+
+void write_sweep_report(const std::filesystem::path& directory, const scene::SweepScene& scene,
+                        const SweepReport& report) {
+  const double rate =
+      report.wall_seconds > 0 ? static_cast<double>(report.rows) / report.wall_seconds : 0;
+  write(directory,
+        {{"program", "salvo"},
+         {"status", name(report.status)},
+         {"reason", report.reason},
+         {"command", report.command_line},
+         {"versions", versions()},
+         {"scene",
+          {{"path", scene.path},
+           {"title", scene.title},
+           {"digest", to_string(row_digest(scene))},
+           {"overrides", scene.overrides},
+           {"model", scene.model->name},
+           {"seed", scene.setup.seed},
+           {"precision", scene::name(scene.setup.precision)}}},
+         {"result", nullptr},
+         {"sweep", {{"rows", report.rows}, {"hash", report.hash ? to_string(*report.hash) : ""}}},
+         {"machine", machine(report.execution)},
+         {"timing",
+          {{"started", report.started},
+           {"wall_seconds", report.wall_seconds},
+           {"trajectories_per_second", rate},
+           {"bytes_written", report.bytes_written}}}});
+}
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 std::optional<RecordedRun> read_run_report(const std::filesystem::path& directory) {

@@ -11,6 +11,7 @@
 
 #include "recording/frame.hpp"
 #include "scene/scene.hpp"
+#include "scene/sweep_scene.hpp"
 #include "solver/world.hpp"
 
 namespace salvo::recording {
@@ -39,6 +40,24 @@ struct RunReport {
 /// Writes DIRECTORY/run.json beside its target, then renames it. Throws OutputError.
 void write_run_report(const std::filesystem::path& directory, const scene::Scene& scene,
                       const RunReport& report);
+
+/// Of a sweep.
+struct SweepReport {
+  RunStatus status = RunStatus::running;
+  std::string reason;
+  std::vector<std::string> command_line;
+  solver::Execution execution;
+  std::string started;
+  double wall_seconds = 0;
+  std::uint64_t bytes_written = 0;
+  std::uint64_t rows = 0;  ///< recorded
+  std::optional<solver::Digest> hash;
+};
+void write_sweep_report(const std::filesystem::path& directory, const scene::SweepScene& scene,
+                        const SweepReport& report);
+
+/// Now, ISO 8601.
+std::string utc_now();
 
 /// What is known of the recording in a directory.
 struct RecordedRun {

@@ -214,6 +214,99 @@ void Reader::read(const Value& value, const KeyText& key, solver::Spread& out) {
   }
 }
 
+namespace {
+
+constexpr std::string_view input_forms =
+    "a number, a list, { from = , to = , count = }, { uniform = [low, high] }, "
+    "{ normal = [mean, deviation] } with or without within = [low, high], or { column = \"NAME\" }";
+
+std::string keys_of(const Value& table) {
+  std::string keys;
+  for (const Member& member : table.members) keys += (keys.empty() ? "" : " ") + member.key;
+  return keys;
+}
+
+}  // namespace
+
+void Reader::read(const Value& value, const KeyText& key, InputValue& out) {
+  using Kind = solver::Variation::Kind;
+  out.given = true;
+  solver::Variation& variation = out.variation;
+  const auto number = [&](const Value& from, double& to) { read(from, key, to); };
+  if (value.kind == Value::Kind::boolean || value.kind == Value::Kind::date) {
+    wrong_type(value, key, input_forms);
+  } else if (value.kind == Value::Kind::list) {
+    variation.kind = Kind::grid;
+    read(value, key, variation.values);
+    if (value.items.empty()) fail(value, named(key) + " is empty", "expected at least one value");
+  } else if (value.kind == Value::Kind::string && !key.words.empty()) {
+    if (const auto found = word(value, key)) variation = solver::Variation::of(*found);
+  } else if (value.kind != Value::Kind::table) {
+    number(value, variation.a);
+  } else if (const std::string keys = keys_of(value); value.find("normal")) {
+    std::array<double, 2> pair{};
+    if (keys != "normal" && keys != "normal within") {
+      fail(value, named(key) + " has other keys than normal and within",
+           fmt::format("expected {}", input_forms));
+      return;
+    }
+    // A deviation is a difference: it is not held to the bounds of the values.
+    KeyText width = key;
+    width.bounds = positive;
+    const Value& given = *value.find("normal");
+    if (!is_list(given, key, 2)) return;
+    read(given.items[0], key, pair[0]);
+    read(given.items[1], width, pair[1]);
+    variation.kind = Kind::normal;
+    variation.a = pair[0];
+    variation.b = pair[1];
+    if (const Value* within = value.find("within")) {
+      if (!bound_pair(*within, key, pair)) return;
+      variation.kind = Kind::truncated_normal;
+      variation.lowest = pair[0];
+      variation.highest = pair[1];
+      if (!(pair[0] < pair[1])) {
+        fail(*within, named(key) + " has no room", "expected [low, high], low below high");
+      } else if (pair[0] > variation.a + 8 * variation.b ||
+                 pair[1] < variation.a - 8 * variation.b) {
+        fail(*within, named(key) + " is more than 8 deviations away from its mean",
+             "expected an interval that values come to");
+      }
+    }
+  } else if (keys == "uniform") {
+    std::array<double, 2> pair{};
+    if (!bound_pair(value.members.front().value, key, pair)) return;
+    variation.kind = Kind::uniform;
+    variation.a = pair[0];
+    variation.b = pair[1];
+    if (!(pair[0] < pair[1])) {
+      fail(value, named(key) + " has no width", "expected [low, high], low below high");
+    }
+  } else if (keys == "column") {
+    variation.kind = Kind::column;
+    read(value.members.front().value, key, out.column);
+  } else if (value.find("from") && value.find("to") && value.find("count") &&
+             value.members.size() == 3) {
+    std::array<double, 2> ends{};
+    const std::size_t before = mistakes();
+    number(*value.find("from"), ends[0]);
+    number(*value.find("to"), ends[1]);
+    KeyText whole;
+    whole.name = "count";
+    whole.bounds = between(2, 0x1p24);
+    const auto count = whole_number(*value.find("count"), whole);
+    if (mistakes() != before || !count) return;
+    variation.kind = Kind::grid;
+    for (std::int64_t i = 0; i < *count; ++i) {
+      const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
+      variation.values.push_back(i == *count - 1 ? ends[1]
+                                                 : ends[0] + (ends[1] - ends[0]) * part);
+    }
+  } else {
+    fail(value, named(key) + " varies in no known way", fmt::format("expected {}", input_forms));
+  }
+}
+
 bool Reader::is_table(const Value& value, const KeyText& key) {
   if (value.kind == Value::Kind::table) return true;
   fail(value, fmt::format("\"{}\" is {}", key.name, name(value.kind)),
@@ -293,6 +386,8 @@ std::string type_text(const double*) { return "number"; }
 std::string type_text(const bool*) { return "true or false"; }
 std::string type_text(const std::string*) { return "string"; }
 std::string type_text(const solver::Spread*) { return "number or spread"; }
+std::string type_text(const InputValue*) { return "input"; }
+std::string type_text(const Later*) { return "value"; }
 
 std::string default_text(double value, const Words&) { return fmt::format("{}", value); }
 std::string default_text(bool value, const Words&) { return value ? "true" : "false"; }
@@ -301,6 +396,10 @@ std::string default_text(const std::string& value, const Words&) {
 }
 std::string default_text(const solver::Spread& value, const Words& words) {
   return default_text(value.a, words);
+}
+
+std::string default_text(const InputValue& value, const Words& words) {
+  return default_text(value.variation.a, words);
 }
 
 namespace {

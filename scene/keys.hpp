@@ -22,6 +22,7 @@
 
 #include "scene/document.hpp"
 #include "scene/mistakes.hpp"
+#include "scene/sweep_values.hpp"
 #include "scene/words.hpp"
 #include "soa/particle_fields.hpp"
 #include "solver/emitter.hpp"
@@ -105,6 +106,8 @@ class Reader {
   void read(const Value& value, const KeyText& key, bool& out);
   void read(const Value& value, const KeyText& key, std::string& out);
   void read(const Value& value, const KeyText& key, solver::Spread& out);
+  void read(const Value& value, const KeyText& key, InputValue& out);
+  void read(const Value& value, const KeyText&, Later& out) { out.value = value; }
   template <class I>
   requires(std::is_integral_v<I>) void read(const Value& value, const KeyText& key, I& out) {
     if (const auto whole = whole_number(value, key)) out = static_cast<I>(*whole);
@@ -246,6 +249,8 @@ std::string type_text(const double*);
 std::string type_text(const bool*);
 std::string type_text(const std::string*);
 std::string type_text(const solver::Spread*);
+std::string type_text(const InputValue*);
+std::string type_text(const Later*);
 template <class I>
 requires(std::is_integral_v<I>) std::string type_text(const I*) { return "whole number"; }
 template <class E>
@@ -269,6 +274,7 @@ std::string default_text(double value, const Words& words);
 std::string default_text(bool value, const Words& words);
 std::string default_text(const std::string& value, const Words& words);
 std::string default_text(const solver::Spread& value, const Words& words);
+std::string default_text(const InputValue& value, const Words& words);
 template <class I>
 requires(std::is_integral_v<I>) std::string default_text(I value, const Words&) {
   return fmt::format("{}", value);
@@ -295,6 +301,7 @@ template <class X>
 std::string default_markdown(const std::optional<X>&, const Words&) {
   return "none";
 }
+inline std::string default_markdown(const Later&, const Words&) { return "none"; }
 
 /// Makes the keys of a section whose values go into a T. `access` is a member pointer, or a
 /// function T& -> member&.

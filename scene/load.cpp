@@ -483,7 +483,7 @@ Scene parse(const std::string& text, const std::string& path,
   return scene;
 }
 
-Scene load(const std::string& path, const std::vector<std::string>& overrides) {
+std::string read_scene_file(const std::string& path) {
   const auto refuse = [&](int error) {
     throw std::system_error(error, std::generic_category(), "cannot read " + path);
   };
@@ -494,7 +494,11 @@ Scene load(const std::string& path, const std::vector<std::string>& overrides) {
   text << file.rdbuf();
   // A folder opens, but gives nothing.
   if (file.bad() || (text.fail() && errno != 0)) refuse(errno != 0 ? errno : EIO);
-  return parse(text.str(), path, overrides);
+  return text.str();
+}
+
+Scene load(const std::string& path, const std::vector<std::string>& overrides) {
+  return parse(read_scene_file(path), path, overrides);
 }
 
 std::string key_reference() {

@@ -32,6 +32,9 @@ class SceneError : public std::runtime_error {
 /// Throws SceneError, and std::system_error when the file cannot be read.
 Scene load(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// The bytes of a scene's file. Throws std::system_error.
+std::string read_scene_file(const std::string& path);
+
 /// The scene of a text; `path` is the name that messages give it.
 Scene parse(const std::string& text, const std::string& path,
             const std::vector<std::string>& overrides = {});

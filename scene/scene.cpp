@@ -10,7 +10,7 @@
 
 namespace salvo::scene {
 
-solver::Digest scene_digest(const Scene& scene) {
+solver::Digest scene_digest(const SceneText& scene) {
   // Each part with its length, so that no two scenes run together into one.
   std::string bytes = fmt::format("salvo {}\n{}\n", contract_version, scene.text.size());
   bytes += scene.text;

@@ -30,11 +30,15 @@ struct VerifySettings {
   std::int64_t steps = 0;      ///< 0: all steps of the scene
 };
 
-struct Scene {
+/// What a scene is read from.
+struct SceneText {
   std::string path;                    ///< as given on the command line
   std::string text;                    ///< the file, byte for byte
   std::vector<std::string> overrides;  ///< the --set arguments, in order
   std::string title;
+};
+
+struct Scene : SceneText {
   solver::Setup setup;
   std::int64_t steps = 0;  ///< the last step; frames are multiples of frames.every up to it
   FrameSettings frames;
@@ -47,7 +51,7 @@ struct Scene {
 
 /// The digest of everything that decides the bits: scene text, overrides, and the salvo contract
 /// version.
-solver::Digest scene_digest(const Scene& scene);
+solver::Digest scene_digest(const SceneText& scene);
 
 /// Version of the bits: changes when any scene's bits change on purpose.
 inline constexpr int contract_version = 1;

@@ -1,0 +1,384 @@
+// salvo run, for scenes of trajectories, and salvo merge: rows to files, part by part, and what is
+// told of them all.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "cli/interruption.hpp"
+#include "cli/memory.hpp"
+#include "cli/progress.hpp"
+#include "cli/scene_input.hpp"
+#include "cli/sweep_report.hpp"
+#include "cli/sweep_verbs.hpp"
+#include "cli/terminal.hpp"
+#include "cli/text.hpp"
+#include "cli/verbs.hpp"
+#include "recording/directory.hpp"
+#include "recording/output_file.hpp"
+#include "recording/sweep_recording.hpp"
+#include "scene/load_sweep.hpp"
+
+namespace salvo::cli {
+
+namespace {
+
+using recording::PartDigest;
+using recording::RunStatus;
+using solver::Sweep;
+
+// Rows that are worth printing one by one.
+constexpr std::uint64_t few_rows = 6;
+
+class SweepRun {
+ public:
+  SweepRun(const Options& options, const scene::SweepScene& scene, std::filesystem::path directory)
+      : options_(options),
+        scene_(scene),
+        sweep_(scene.setup),
+        directory_(std::move(directory)),
+        execution_(options.execution()),
+        progress_(options.quiet),
+        stopping_(1),
+        last_(parts_of(sweep_.rows())) {
+    if (!options.shard) return;
+    const auto [shard, shards] = *options.shard;
+    first_ = last_ * (shard - 1) / shards;
+    last_ = last_ * shard / shards;
+    if (scene.stop) {
+      throw UsageError("--shard runs a part of the rows, and [stop] asks after all before them",
+                       "remove [stop], or run it in one piece");
+    }
+    if (first_ == last_) {
+      throw UsageError(fmt::format("shard {} of {} has no rows", shard, shards),
+                       fmt::format("the sweep has {} of {} rows", counted(parts_of(sweep_.rows()), "part"),
+                                   grouped(Sweep::part_rows)));
+    }
+  }
+
+  ExitStatus run() {
+    check_free_memory(std::min(sweep_.rows(), Sweep::part_rows));
+    recording_ = std::make_unique<recording::SweepRecording>(
+        directory_, scene_, sweep_,
+        recording::SweepOptions{options_.command_line, execution_, options_.resume, options_.force});
+    if (!options_.quiet && !options_.json) print(solved_text(scene_));
+    try {
+      take_parts();
+      return conclude();
+    } catch (const recording::OutputError& error) {
+      progress_.clear();
+      fail(error.what());
+      say_error(error.what(), fmt::format("recorded so far and readable: {} in {}",
+                                          counted(rows(), "row"), directory_.string()));
+      if (error.no_room()) say("  to go on when there is room: " + resume_command());
+      return ExitStatus::input_output;
+    }
+  }
+
+ private:
+  static std::uint64_t parts_of(std::uint64_t rows) {
+    return (rows + Sweep::part_rows - 1) / Sweep::part_rows;
+  }
+  void check_free_memory(std::uint64_t rows_at_once) const {
+    const std::uint64_t bytes = sweep_.bytes_of(rows_at_once);
+    const auto available = available_memory();
+    if (!available || bytes <= *available) return;
+    throw Failure(ExitStatus::run_failed,
+                  fmt::format("{} takes {} of memory, and there are {}", scene_.path,
+                              bytes_text(bytes), bytes_text(*available)),
+                  "fewer samples on the way take less");
+  }
+
+  void take_parts() {
+    for (std::uint64_t part = first_; part < last_ && !stopped_; ++part) {
+      const std::uint64_t first = part * Sweep::part_rows;
+      const std::uint64_t count = std::min(Sweep::part_rows, sweep_.rows() - first);
+      if (const auto kept = recording_->kept(part, count)) {
+        parts_.push_back(*kept);
+        kept_ += count;
+      } else {
+        const solver::SweepRows rows = sweep_.run(first, count, execution_);
+        parts_.push_back(recording_->write(part, rows));
+        computed_ += count;
+        efficiency_ += rows.simd_efficiency * static_cast<double>(count);
+        if (sweep_.rows() <= few_rows) few_ = rows_text(sweep_, rows);
+        if (sweep_.rows() <= few_rows) few_json_ = json_of(sweep_, rows);
+      }
+      if (scene_.stop) ask_to_stop();
+      progress_.update(static_cast<double>(part + 1 - first_) / static_cast<double>(last_ - first_),
+                       [&] {
+                         return fmt::format("{} of {} rows  {}  {} written", grouped(rows()),
+                                            grouped(wanted_rows()), trajectory_rate(),
+                                            bytes_text(recording_->bytes_written()));
+                       });
+      if (interrupted() && part + 1 < last_) {
+        interrupted_ = true;
+        return;
+      }
+    }
+  }
+
+  // The half-width of the confidence interval of the mean, over the rows so far.
+  void ask_to_stop() {
+    const std::size_t column = scene_.stop->column;
+    recording_->counted_columns({parts_.back()})(
+        std::span(&column, 1), [&](auto columns) { stopping_.add_part(columns); });
+    if (stopping_.count() < 2) return;
+    half_width_ = solver::half_width_of_mean(stopping_, 0, scene_.stop->confidence);
+    stopped_ = half_width_ <= scene_.stop->half_width;
+  }
+
+  ExitStatus conclude() {
+    seconds_ = progress_.seconds();
+    progress_.clear();
+    const solver::Digest hash = recording::sweep_hash(parts_);
+    if (interrupted_) {
+      recording_->finish(RunStatus::interrupted, parts_, {}, seconds_,
+                         fmt::format("interrupted after {} rows", rows()));
+      if (options_.json) {
+        Json document = result("interrupted", hash);
+        document["resume"] = resume_command();
+        print_json(document);
+      }
+      say(fmt::format("salvo: interrupted after {} of {}; what is recorded is complete\nto go on: {}",
+                      grouped(rows()), counted(wanted_rows(), "row"), resume_command()));
+      return ExitStatus::interrupted;
+    }
+    const std::vector<std::uint64_t> outcomes = recording_->outcome_counts(parts_);
+    const solver::Statistics statistics =
+        solver::statistics(scene_.statistics, recording_->counted_columns(parts_));
+    const Json told = json_of(scene_, sweep_, statistics, outcomes);
+    recording_->finish(RunStatus::done, parts_,
+                       told.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", seconds_);
+    if (options_.json) {
+      Json document = result("done", hash);
+      document["statistics"] = told;
+      if (!few_json_.is_null()) document["trajectories"] = few_json_;
+      print_json(document);
+    } else {
+      if (!few_.empty()) {
+        print(few_);
+      } else {
+        print(statistics_text(scene_, sweep_, statistics, outcomes));
+      }
+      if (stopped_) {
+        print(fmt::format("\nstopped after {}: the mean of {} is known to +-{:.4g}\n",
+                          counted(rows(), "row"), sweep_.fields()[scene_.stop->column].name,
+                          half_width_));
+      }
+      print(fmt::format("\nhash  {} of {}\n", to_string(hash), counted(rows(), "row")));
+      print(fmt::format("{} in {}: {} ({}, {}){}\n", counted(computed_, "trajectory"),
+                        seconds_text(seconds_), trajectory_rate(), solver::name(execution_.isa),
+                        counted(static_cast<std::uint64_t>(execution_.threads), "thread"),
+                        kept_ == 0 ? "" : fmt::format("; {} were there", counted(kept_, "row"))));
+      print(fmt::format("{} in {}\n", bytes_text(recording_->bytes_written()), directory_.string()));
+    }
+    flush_output();
+    if (!options_.quiet) {
+      say(fmt::format("salvo: look at it: h5py.File(\"{}\"), or salvo export {} --format csv",
+                      (directory_ / recording::trajectories_name).string(),
+                      shell_quoted(directory_.string())));
+    }
+    return ExitStatus::done;
+  }
+
+  void fail(const std::string& reason) {
+    try {
+      recording_->finish(RunStatus::failed, parts_, {}, progress_.seconds(), reason);
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch)
+    }
+  }
+
+  Json result(const char* status, const solver::Digest& hash) const {
+    Json document = {{"status", status},
+                     {"scene", scene_identity(scene_)},
+                     {"directory", directory_.string()},
+                     {"execution", json_of(execution_)},
+                     {"rows", rows()},
+                     {"kept", kept_},
+                     {"hash", to_string(hash)},
+                     {"seconds", seconds_},
+                     {"trajectories_per_second", rate()},
+                     {"simd_efficiency",
+                      computed_ == 0 ? 1 : efficiency_ / static_cast<double>(computed_)},
+                     {"bytes_written", recording_->bytes_written()}};
+    document["solved"] = Json::array();
+    const auto inputs = scene_.model->kernels(solver::Isa::scalar).input_fields;
+    for (const scene::Solved& solved : scene_.solved) {
+      document["solved"].push_back({{"input", inputs[solved.input].name}, {"value", solved.value}});
+    }
+    if (scene_.stop) document["stop"] = {{"reached", stopped_}, {"half_width", half_width_}};
+    return document;
+  }
+
+  std::uint64_t rows() const { return kept_ + computed_; }
+  std::uint64_t wanted_rows() const {
+    return std::min(sweep_.rows(), last_ * Sweep::part_rows) - first_ * Sweep::part_rows;
+  }
+  double rate() const {
+    const double seconds = seconds_ > 0 ? seconds_ : progress_.seconds();
+    return seconds > 0 ? static_cast<double>(computed_) / seconds : 0;
+  }
+  std::string trajectory_rate() const { return fmt::format("{:.4g} k trajectories/s", rate() / 1e3); }
+  std::string resume_command() const {
+    std::string command = command_for(scene_, "run") + " --out " + shell_quoted(directory_.string());
+    if (options_.shard) command += fmt::format(" --shard {}/{}", options_.shard->first, options_.shard->second);
+    return command + " --resume";
+  }
+
+  const Options& options_;
+  const scene::SweepScene& scene_;
+  const Sweep sweep_;
+  const std::filesystem::path directory_;
+  const solver::Execution execution_;
+  Progress progress_;
+  std::unique_ptr<recording::SweepRecording> recording_;
+  std::vector<PartDigest> parts_;
+  solver::Moments stopping_;
+  std::uint64_t first_ = 0;  // parts
+  std::uint64_t last_;
+  std::uint64_t kept_ = 0;  // rows
+  std::uint64_t computed_ = 0;
+  double efficiency_ = 0;
+  double half_width_ = 0;
+  bool stopped_ = false;
+  bool interrupted_ = false;
+  double seconds_ = 0;
+  std::string few_;
+  Json few_json_;
+};
+
+// One row alone, not recorded.
+ExitStatus run_index(const Options& options, const scene::SweepScene& scene) {
+  const Sweep sweep(scene.setup);
+  const std::uint64_t index = *options.index;
+  if (index >= sweep.rows()) {
+    throw UsageError(fmt::format("there is no row {}", index),
+                     fmt::format("the rows go from 0 to {}", sweep.rows() - 1));
+  }
+  const solver::SweepRows rows = sweep.run(index, 1, options.execution());
+  if (options.json) {
+    print_json({{"status", "done"},
+                {"scene", scene_identity(scene)},
+                {"execution", json_of(options.execution())},
+                {"index", index},
+                {"hash", to_string(rows.hash())},
+                {"trajectories", json_of(sweep, rows)}});
+  } else {
+    print(rows_text(sweep, rows));
+    print(fmt::format("\nhash  {}\n", to_string(rows.hash())));
+  }
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+ExitStatus run_sweep(const Options& options, const scene::SweepScene& scene) {
+  if (options.index) return run_index(options, scene);
+  catch_interruptions();
+  const std::filesystem::path directory =
+      options.out.value_or(std::filesystem::path("out") / std::filesystem::path(scene.path).stem());
+  try {
+    return SweepRun(options, scene, directory).run();
+  } catch (const recording::ForeignRecording& error) {
+    throw Failure(ExitStatus::input_output, error.what(),
+                  "--out records elsewhere; --force replaces what is there");
+  }
+}
+
+ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
+  const Sweep sweep(scene.setup);
+  Progress progress(options.quiet);
+  std::vector<PartDigest> parts;
+  for (std::uint64_t first = 0; first < sweep.rows(); first += Sweep::part_rows) {
+    const std::uint64_t count = std::min(Sweep::part_rows, sweep.rows() - first);
+    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash()});
+    progress.update(static_cast<double>(first + count) / static_cast<double>(sweep.rows()),
+                    [&] { return fmt::format("row {} of {}", first + count, sweep.rows()); });
+    if (!options.json) {
+      progress.clear();
+      print(fmt::format("{}  rows {} to {}\n", to_string(parts.back().hash), first,
+                        first + count - 1));
+      flush_output();
+    }
+  }
+  const std::string total = to_string(recording::sweep_hash(parts));
+  if (options.json) {
+    Json list = Json::array();
+    for (const PartDigest& part : parts) {
+      list.push_back({{"first", part.first}, {"rows", part.rows}, {"hash", to_string(part.hash)}});
+    }
+    print_json({{"status", "done"},
+                {"scene", scene_identity(scene)},
+                {"execution", json_of(options.execution())},
+                {"state_hash", total},
+                {"parts", list}});
+  } else {
+    print(fmt::format("{}  all {} rows\n", total, sweep.rows()));
+  }
+  return ExitStatus::done;
+}
+
+ExitStatus merge(const Options& options) {
+  if (!options.out) throw UsageError("salvo merge needs --out DIR", "where the whole sweep goes");
+  // The parts of all shards, by number; a shard's rows are those of its scene.
+  std::map<std::uint64_t, std::filesystem::path> parts;
+  std::optional<recording::PartInfo> first;
+  for (const std::string& input : options.inputs) {
+    const auto files = recording::list_parts(input);
+    if (files.empty()) {
+      throw Failure(ExitStatus::input_output, fmt::format("{} holds no rows of a sweep", input));
+    }
+    for (const recording::NumberedFile& file : files) {
+      const recording::PartInfo info = recording::read_part_info(file.path);
+      if (!first) first = info;
+      if (!(info.row_digest == first->row_digest)) {
+        throw Failure(ExitStatus::input_output,
+                      fmt::format("{} is of another scene than {}", file.path.string(),
+                                  parts.begin()->second.string()),
+                      fmt::format("their digests are {} and {}", to_string(info.row_digest),
+                                  to_string(first->row_digest)));
+      }
+      const auto [there, added] = parts.emplace(file.number, file.path);
+      if (!added && !(recording::read_part_info(there->second).hash == info.hash)) {
+        throw Failure(ExitStatus::difference,
+                      fmt::format("{} and {} differ", there->second.string(), file.path.string()),
+                      "the same rows have the same bits: one of the machines errs");
+      }
+    }
+  }
+  const scene::SweepScene scene =
+      scene::parse_sweep(first->scene_text, first->scene_path, first->overrides);
+  const Sweep sweep(scene.setup);
+  const std::uint64_t wanted = (sweep.rows() + Sweep::part_rows - 1) / Sweep::part_rows;
+  for (std::uint64_t part = 0; part < wanted; ++part) {
+    if (parts.contains(part)) continue;
+    throw Failure(ExitStatus::input_output,
+                  fmt::format("rows {} to {} are in none of the folders", part * Sweep::part_rows,
+                              std::min(sweep.rows(), (part + 1) * Sweep::part_rows) - 1),
+                  fmt::format("run the missing shard, or: {} --resume", command_for(scene, "run")));
+  }
+  recording::ensure_directory(*options.out);
+  if (!options.force) {
+    try {
+      recording::check_ownership(*options.out, scene::row_digest(scene));
+    } catch (const recording::ForeignRecording& error) {
+      throw Failure(ExitStatus::input_output, error.what(),
+                    "--out merges elsewhere; --force replaces what is there");
+    }
+  }
+  for (const auto& [part, path] : parts) {
+    const std::filesystem::path target =
+        *options.out / recording::part_name(static_cast<std::int64_t>(part));
+    if (std::filesystem::exists(target) && std::filesystem::equivalent(path, target)) continue;
+    recording::copy_file(path, target);
+  }
+  // All parts are there: what is left of a run is to look at them.
+  Options rest = options;
+  rest.resume = true;
+  rest.force = false;
+  return SweepRun(rest, scene, *options.out).run();
+}
+
+}  // namespace salvo::cli

@@ -1,0 +1,183 @@
+// salvo verify, info and export, for scenes of trajectories.
+#include "cli/sweep_verbs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+
+#include "cli/progress.hpp"
+#include "cli/sweep_report.hpp"
+#include "cli/terminal.hpp"
+#include "cli/text.hpp"
+#include "cli/text_table.hpp"
+#include "recording/directory.hpp"
+#include "recording/export.hpp"
+#include "recording/output_file.hpp"
+#include "recording/sweep_part.hpp"
+#include "scene/verify_sweep.hpp"
+#include "scene/words.hpp"
+
+namespace salvo::cli {
+
+using solver::Sweep;
+
+ExitStatus verify_sweep(const Options& options, const scene::SweepScene& scene, Json& document) {
+  scene::SweepVerifyOptions settings;
+  settings.isas = options.isas;
+  if (!options.threads.empty()) settings.threads = options.threads;
+  const Sweep sweep(scene.setup);
+  settings.rows = options.full ? sweep.rows() : std::min(sweep.rows(), scene.verify_rows);
+  Progress progress(options.quiet);
+  settings.on_progress = [&](std::size_t run, std::size_t runs) {
+    progress.update(static_cast<double>(run) / static_cast<double>(runs),
+                    [&] { return fmt::format("{}: run {} of {}", scene.path, run, runs); });
+  };
+  const std::vector<scene::SweepVerifyRun> runs = scene::verify(scene, settings);
+  progress.clear();
+
+  bool equal = true;
+  TextTable table({"<axis", "<value", "rows", "<hash", "<"});
+  Json list = Json::array();
+  std::string differences;
+  for (const scene::SweepVerifyRun& run : runs) {
+    equal = equal && !run.difference;
+    table.add({run.axis, run.value, fmt::to_string(run.rows), to_string(run.hash),
+               run.difference ? "DIFFERS" : ""});
+    Json object = {{"axis", run.axis},
+                   {"value", run.value},
+                   {"rows", run.rows},
+                   {"hash", to_string(run.hash)},
+                   {"equal", !run.difference}};
+    if (const auto& difference = run.difference) {
+      object["difference"] = {{"index", difference->index},
+                              {"column", difference->column},
+                              {"reference", difference->reference},
+                              {"varied", difference->varied}};
+      differences += fmt::format("{} {}: row {} differs first, in {}: {:.17g}, not {:.17g}\n",
+                                 run.axis, run.value, difference->index, difference->column,
+                                 difference->varied, difference->reference);
+    }
+    list.push_back(std::move(object));
+  }
+  document["scene"] = scene_identity(scene);
+  document["equal"] = equal;
+  document["rows"] = settings.rows;
+  document["seconds"] = progress.seconds();
+  document["runs"] = list;
+  if (!options.json) {
+    const std::string size =
+        settings.rows < sweep.rows()
+            ? fmt::format("{} of {} rows", grouped(settings.rows), grouped(sweep.rows()))
+            : counted(sweep.rows(), "row");
+    print(fmt::format("{}: {}\n{}{}{}\n\n", scene.path, size, table.text(), differences,
+                      equal ? fmt::format("the same bits in {} ({})", counted(runs.size(), "run"),
+                                          seconds_text(progress.seconds()))
+                            : "the bits DIFFER"));
+    flush_output();
+  }
+  return equal ? ExitStatus::done : ExitStatus::difference;
+}
+
+void describe_sweep(const Options& options, const scene::SweepScene& scene) {
+  const Sweep sweep(scene.setup);
+  const auto inputs = scene.model->kernels(solver::Isa::scalar).input_fields;
+  std::vector<std::string> varied;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (scene.setup.inputs[i].kind != solver::Variation::Kind::constant) {
+      varied.emplace_back(inputs[i].name);
+    }
+  }
+  for (const solver::JointNormal& joint : scene.setup.joint) {
+    for (const std::size_t input : joint.inputs) varied.emplace_back(inputs[input].name);
+  }
+  std::uint64_t bytes = 0;
+  std::vector<std::string_view> columns;
+  for (const soa::Field& field : sweep.fields()) {
+    columns.push_back(field.name);
+    bytes += size_of(field.scalar, scene.setup.precision);
+  }
+  bytes += sweep.levels() * (1 + sweep.sample_fields().size()) * sizeof(double);
+  bytes *= sweep.rows();
+  if (options.json) {
+    print_json({{"scene", scene_identity(scene)},
+                {"title", scene.title},
+                {"model", scene.model->name},
+                {"precision", scene::name(scene.setup.precision)},
+                {"seed", scene.setup.seed},
+                {"rows", sweep.rows()},
+                {"grid_points", sweep.points()},
+                {"samples", scene.setup.samples},
+                {"varied", varied},
+                {"columns", columns},
+                {"bytes", bytes},
+                {"memory_bytes", sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows))}});
+    return;
+  }
+  const auto line = [](const char* name, const std::string& text) {
+    return fmt::format("  {:<12} {}\n", name, text);
+  };
+  print(fmt::format("{}{}{}\n", scene.path, scene.title.empty() ? "" : ": ", scene.title));
+  print(line("model", fmt::format("{}: {}", scene.model->name, scene.model->meaning)));
+  print(line("rows", fmt::format("{}: {} of {}, {} precision, seed {}", grouped(sweep.rows()),
+                                 counted(scene.setup.samples, "sample"),
+                                 counted(sweep.points(), "grid point"),
+                                 scene::name(scene.setup.precision), scene.setup.seed)));
+  print(line("varied", varied.empty() ? "nothing" : fmt::format("{}", fmt::join(varied, ", "))));
+  if (!scene.solved.empty()) print(line("solved", solved_text(scene)));
+  print(line("columns", fmt::format("{}", fmt::join(columns, " "))));
+  print(line("recording", fmt::format("about {}", bytes_text(bytes))));
+  print(line("memory",
+             bytes_text(sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows)))));
+  print(line("digest", to_string(scene::row_digest(scene))));
+}
+
+ExitStatus export_sweep(const Options& options) {
+  namespace fs = std::filesystem;
+  if (options.format != recording::ExportFormat::csv) {
+    throw UsageError("a sweep is exported as CSV", "its HDF5 files hold the same arrays");
+  }
+  if (options.frame) throw UsageError("a sweep has no frames", "leave out --frame");
+  const fs::path input = options.inputs.front();
+  const auto parts = recording::list_parts(input);
+  const bool to_stdout = options.out == "-";
+  const fs::path directory = to_stdout ? fs::path() : options.out.value_or(input / "csv");
+  const fs::path path = directory / "trajectories.csv";
+  std::optional<recording::OutputFile> file;
+  if (!to_stdout) {
+    recording::ensure_directory(directory);
+    file.emplace(path);
+  }
+  Progress progress(options.quiet);
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    recording::Frame part = recording::read_part(parts[i].path);
+    recording::select_columns(part, options.columns);
+    // One header for all parts.
+    bool header = i != 0;
+    recording::write_csv(part, [&](std::string_view text) {
+      if (header) text.remove_prefix(text.find('\n') + 1);
+      header = false;
+      bytes += text.size();
+      to_stdout ? print(text) : file->write(text);
+    });
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(parts.size()), [&] {
+      return fmt::format("part {} of {}  {} written", i + 1, parts.size(), bytes_text(bytes));
+    });
+  }
+  progress.clear();
+  if (to_stdout) return ExitStatus::done;
+  file->commit();
+  if (options.json) {
+    print_json({{"status", "done"},
+                {"format", "csv"},
+                {"directory", directory.string()},
+                {"bytes_written", bytes},
+                {"files", {path.string()}}});
+  } else {
+    print(fmt::format("{}, {}\n", path.string(), bytes_text(bytes)));
+  }
+  return ExitStatus::done;
+}
+
+}  // namespace salvo::cli

@@ -1,0 +1,179 @@
+#include "recording/sweep_recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "recording/directory.hpp"
+#include "recording/field_dataset.hpp"
+#include "recording/output_file.hpp"
+#include "recording/sealed_file.hpp"
+#include "scene/words.hpp"
+
+namespace salvo::recording {
+
+using solver::Sweep;
+
+solver::Digest sweep_hash(const std::vector<PartDigest>& parts) {
+  std::vector<std::uint64_t> words;
+  for (const PartDigest& part : parts) {
+    words.insert(words.end(), {part.first, part.rows, part.hash.high, part.hash.low});
+  }
+  return solver::digest_of(words.data(), words.size() * sizeof(std::uint64_t));
+}
+
+SweepRecording::SweepRecording(std::filesystem::path directory, const scene::SweepScene& scene,
+                               const Sweep& sweep, SweepOptions options)
+    : directory_(std::move(directory)),
+      scene_(scene),
+      sweep_(sweep),
+      options_(std::move(options)),
+      started_(utc_now()) {
+  ensure_directory(directory_);
+  lock_ = std::make_unique<DirectoryLock>(directory_);
+  if (!options_.overwrite) check_ownership(directory_, scene::row_digest(scene_));
+  remove_partial_files(directory_);
+  if (!options_.resume) {
+    for (const std::filesystem::path& file : recording_files(directory_)) remove_file(file);
+  }
+  write_report(RunStatus::running, {}, 0, {});
+}
+
+std::filesystem::path SweepRecording::part_path(std::uint64_t part) const {
+  return directory_ / part_name(static_cast<std::int64_t>(part));
+}
+
+std::optional<PartDigest> SweepRecording::kept(std::uint64_t part, std::uint64_t rows) const {
+  const std::filesystem::path path = part_path(part);
+  if (!options_.resume || !std::filesystem::exists(path)) return std::nullopt;
+  try {
+    const PartInfo info = read_part_info(path);
+    const bool same = info.row_digest == scene::row_digest(scene_) &&
+                      info.first == part * Sweep::part_rows && info.rows == rows;
+    if (same) return PartDigest{info.first, info.rows, info.hash};
+  } catch (const CorruptFile&) {  // is computed again
+  }
+  return std::nullopt;
+}
+
+PartDigest SweepRecording::write(std::uint64_t part, const solver::SweepRows& rows) {
+  const solver::Digest hash = rows.hash();
+  const std::filesystem::path path = part_path(part);
+  write_part(path, scene_, sweep_, rows, hash);
+  bytes_written_ += std::filesystem::file_size(path);
+  return {part * Sweep::part_rows, rows.table.rows(), hash};
+}
+
+solver::ColumnSource SweepRecording::counted_columns(const std::vector<PartDigest>& parts) const {
+  return [this, parts](std::span<const std::size_t> columns, const solver::PartVisit& visit) {
+    std::vector<std::string> names;
+    for (const std::size_t column : columns) names.emplace_back(sweep_.fields()[column].name);
+    for (const PartDigest& part : parts) {
+      PartColumns read = read_part_columns(part_path(part.first / Sweep::part_rows), names);
+      for (std::vector<double>& values : read.values) {
+        std::size_t kept = 0;
+        for (std::size_t row = 0; row < values.size(); ++row) {
+          if (scene_.counted[read.outcome[row]]) values[kept++] = values[row];
+        }
+        values.resize(kept);
+      }
+      visit(read.values);
+    }
+  };
+}
+
+std::vector<std::uint64_t> SweepRecording::outcome_counts(
+    const std::vector<PartDigest>& parts) const {
+  std::vector<std::uint64_t> counts(sweep_.outcomes().size());
+  for (const PartDigest& part : parts) {
+    const PartColumns read = read_part_columns(part_path(part.first / Sweep::part_rows), {});
+    for (const std::uint32_t outcome : read.outcome) ++counts[outcome];
+  }
+  return counts;
+}
+
+void SweepRecording::finish(RunStatus status, const std::vector<PartDigest>& parts,
+                            const std::string& statistics, double seconds,
+                            const std::string& reason) {
+  if (!parts.empty()) write_index(parts);
+  if (!statistics.empty()) write_file(directory_ / statistics_name, statistics);
+  if (status == RunStatus::done && !parts.empty()) {
+    const std::uint64_t last = parts.back().first / Sweep::part_rows;
+    for (const NumberedFile& part : list_parts(directory_)) {
+      if (static_cast<std::uint64_t>(part.number) > last) remove_file(part.path);
+    }
+  }
+  write_report(status, parts, seconds, reason);
+}
+
+// All parts as one file: HDF5 looks the rows up in theirs.
+void SweepRecording::write_index(const std::vector<PartDigest>& parts) const {
+  using hdf5::write_attribute;
+  const hdf5::Session session;
+  hdf5::MemoryFile file;
+  std::vector<hdf5::VirtualPart> files;
+  std::uint64_t rows = 0;
+  for (const PartDigest& part : parts) {
+    const auto number = static_cast<std::int64_t>(part.first / Sweep::part_rows);
+    files.push_back({part_name(number), part.rows});
+    rows += part.rows;
+  }
+  const auto add = [&](const std::string& path, const soa::Field& field, soa::Precision precision,
+                       const hdf5::Extents& extents) {
+    const std::size_t slash = path.rfind('/');
+    const std::string group = path.substr(1, slash == 0 ? 0 : slash - 1);
+    hdf5::Handle parent;
+    if (!group.empty()) {
+      const std::vector<std::string> groups = hdf5::names_in(file);
+      const bool there = std::find(groups.begin(), groups.end(), group) != groups.end();
+      parent = there ? hdf5::open_group(file, group) : hdf5::create_group(file, group);
+    }
+    const hdf5::Handle dataset = hdf5::create_virtual_dataset(
+        group.empty() ? hid_t{file} : hid_t{parent}, path.substr(slash + 1),
+        type_of(field.scalar, precision), extents, path, files);
+    describe(dataset, field);
+  };
+  for (const soa::Field& field : sweep_.fields()) {
+    add(dataset_path(field.name), field, scene_.setup.precision, {rows});
+  }
+  if (sweep_.levels() != 0) {
+    const hdf5::Extents extents{rows, sweep_.levels()};
+    add("/samples/time",
+        {"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0}, soa::Precision::float64,
+        extents);
+    for (const soa::Field& field : sweep_.sample_fields()) {
+      add("/samples/" + std::string(field.name), field, soa::Precision::float64, extents);
+    }
+  }
+  {
+    const hdf5::Handle salvo = hdf5::create_group(file, "salvo");
+    write_attribute(salvo, "rows", rows);
+    write_attribute(salvo, "hash", std::string_view(to_string(sweep_hash(parts))));
+    write_attribute(salvo, "row_digest", std::string_view(to_string(scene::row_digest(scene_))));
+    write_attribute(salvo, "model", scene_.model->name);
+    write_attribute(salvo, "outcomes", sweep_.outcomes());
+    write_attribute(salvo, "scene_path", std::string_view(scene_.path));
+    write_attribute(salvo, "scene", std::string_view(scene_.text));
+    write_attribute(salvo, "overrides", scene_.overrides);
+    write_attribute(salvo, "version", std::string_view(SALVO_VERSION));
+    write_attribute(salvo, "contract", std::int32_t{scene::contract_version});
+  }
+  write_sealed(directory_ / trajectories_name, file.bytes(), Durability::process);
+}
+
+void SweepRecording::write_report(RunStatus status, const std::vector<PartDigest>& parts,
+                                  double seconds, const std::string& reason) const {
+  SweepReport report;
+  report.status = status;
+  report.reason = reason;
+  report.command_line = options_.command_line;
+  report.execution = options_.execution;
+  report.started = started_;
+  report.wall_seconds = seconds;
+  report.bytes_written = bytes_written_;
+  for (const PartDigest& part : parts) report.rows += part.rows;
+  if (!parts.empty()) report.hash = sweep_hash(parts);
+  write_sweep_report(directory_, scene_, report);
+}
+
+}  // namespace salvo::recording

@@ -1,0 +1,141 @@
+#include "scene/solve.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace salvo::scene {
+
+namespace {
+
+constexpr std::uint64_t parts = 64;
+
+void set_nominal(solver::SweepSetup& setup, std::size_t input, double value) {
+  setup.inputs[input].a = value;
+  for (solver::JointNormal& joint : setup.joint) {
+    for (std::size_t k = 0; k < joint.inputs.size(); ++k) {
+      if (joint.inputs[k] == input) joint.mean[k] = value;
+    }
+  }
+}
+
+std::vector<double> values_between(double low, double high) {
+  std::vector<double> values;
+  for (std::uint64_t i = 0; i <= parts; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(parts);
+    values.push_back(i == parts ? high : low + (high - low) * part);
+  }
+  return values;
+}
+
+// The quantity less its target for each value of the input.
+std::vector<double> residuals(const Equation& equation, const solver::SweepSetup& setup,
+                              const std::vector<double>& values) {
+  solver::SweepSetup batch = nominal(setup);
+  batch.precision = soa::Precision::float64;
+  for (const auto& [input, value] : equation.with) {
+    batch.inputs[input] = solver::Variation::of(value);
+  }
+  solver::Variation& axis = batch.inputs[equation.input];
+  axis.kind = solver::Variation::Kind::grid;
+  axis.values = values;
+  const solver::Sweep sweep(std::move(batch));
+  const solver::SweepRows rows = sweep.run(0, values.size(), {solver::widest_isa(), 1, 1});
+  const double* column = rows.table.column<double>(equation.column);
+  std::vector<double> left;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    left.push_back((column ? column[i] : rows.table.uniform(equation.column)) - equation.target);
+  }
+  return left;
+}
+
+// The part of the bracket over which the residual changes its sign.
+std::optional<std::size_t> crossing(const std::vector<double>& residual, bool last) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i + 1 < residual.size(); ++i) {
+    const bool passes = (residual[i] <= 0 && residual[i + 1] >= 0) ||
+                        (residual[i] >= 0 && residual[i + 1] <= 0);
+    if (!passes) continue;
+    found = i;
+    if (!last) break;
+  }
+  return found;
+}
+
+std::optional<Unsolved> solve_one(Equation& equation, const solver::SweepSetup& setup) {
+  double low = equation.between[0];
+  double high = equation.between[1];
+  for (int round = 0;; ++round) {
+    const std::vector<double> values = values_between(low, high);
+    const std::vector<double> residual = residuals(equation, setup, values);
+    const auto part = crossing(residual, equation.last);
+    if (!part && round == 0) {
+      Unsolved unsolved{&equation, std::numeric_limits<double>::infinity(),
+                        -std::numeric_limits<double>::infinity()};
+      for (const double left : residual) {
+        unsolved.least = std::min(unsolved.least, left + equation.target);
+        unsolved.greatest = std::max(unsolved.greatest, left + equation.target);
+      }
+      return unsolved;
+    }
+    // Rounding may hide the change of sign in a bracket of a few numbers: its middle is the root.
+    if (!part) {
+      equation.value = 0.5 * (low + high);
+      return std::nullopt;
+    }
+    const bool nearer_low = std::abs(residual[*part]) <= std::abs(residual[*part + 1]);
+    equation.value = nearer_low ? values[*part] : values[*part + 1];
+    low = values[*part];
+    high = values[*part + 1];
+    if (residual[*part] == 0 || residual[*part + 1] == 0) return std::nullopt;
+    if (std::nextafter(low, high) >= high || round == 12) return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::vector<Unsolved> solve(std::vector<Equation>& equations, solver::SweepSetup& setup) {
+  std::vector<Unsolved> unsolved;
+  const int rounds = equations.size() == 1 ? 1 : 20;
+  for (int round = 0; round < rounds; ++round) {
+    bool changed = false;
+    for (Equation& equation : equations) {
+      const double before = equation.value;
+      if (const auto without = solve_one(equation, setup)) {
+        unsolved.push_back(*without);
+        continue;
+      }
+      changed = changed || round == 0 ||
+                std::abs(equation.value - before) >
+                    1e-14 * (equation.between[1] - equation.between[0]);
+      set_nominal(setup, equation.input, equation.value);
+    }
+    if (!changed || !unsolved.empty()) break;
+  }
+  return unsolved;
+}
+
+std::optional<std::vector<std::vector<double>>> cholesky(
+    const std::vector<std::vector<double>>& matrix) {
+  const auto n = static_cast<Eigen::Index>(matrix.size());
+  Eigen::MatrixXd full(n, n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b) {
+      full(a, b) = matrix[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+    }
+  }
+  const Eigen::LLT<Eigen::MatrixXd> decomposition(full);
+  if (decomposition.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd lower = decomposition.matrixL();
+  std::vector<std::vector<double>> factor(matrix.size(), std::vector<double>(matrix.size(), 0));
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      factor[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] = lower(a, b);
+    }
+  }
+  return factor;
+}
+
+}  // namespace salvo::scene

@@ -1,0 +1,19 @@
+#include "solver/models.hpp"
+
+#include <array>
+
+namespace salvo::solver {
+
+std::span<const ModelEntry> models() {
+  static constexpr std::array<ModelEntry, 4> entries{{
+      {"projectile", "a point mass with a standard drag function in the standard atmosphere",
+       &projectile_kernels},
+      {"shot_in_air", "a point mass with quadratic drag of a constant coefficient",
+       &shot_in_air_kernels},
+      {"harmonic_oscillator", "the damped harmonic oscillator", &harmonic_oscillator_kernels},
+      {"lorenz", "the Lorenz equations", &lorenz_kernels},
+  }};
+  return entries;
+}
+
+}  // namespace salvo::solver
