@@ -47,8 +47,10 @@ std::span<const CommandEntry> commands() {
        {{"--out", "-o", "DIR", "where to record; out/NAME OF THE SCENE by default"},
         {"--resume", "", "", "go on from the newest intact state in that folder"},
         {"--force", "-f", "", "replace another scene's recording"},
-        {"--index", "", "N", "one row of a sweep, alone, with the bits that it has among the others"},
-        {"--shard", "", "I/N", "the I-th of N equal shares of a sweep's rows; salvo merge joins them"},
+        {"--index", "", "N",
+         "one row of a sweep, alone, with the bits that it has among the others"},
+        {"--shard", "", "I/N",
+         "the I-th of N equal shares of a sweep's rows; salvo merge joins them"},
         set,
         isa,
         threads,
@@ -132,7 +134,8 @@ std::span<const CommandEntry> commands() {
        "merge",
        "DIR...",
        "put the shards of a sweep together",
-       "Checks that the shards are of one scene and cover all its rows, copies them into one folder, "
+       "Checks that the shards are of one scene and cover all its rows, copies them into one "
+       "folder, "
        "and\n"
        "tells of them what one run of the whole sweep tells, with the same hash.",
        {{"--out", "-o", "DIR", "where the whole sweep goes"},

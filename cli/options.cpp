@@ -290,8 +290,7 @@ void check_info(const Options& options) {
 void check_operands(const Found& found) {
   const CommandEntry& command = *found.command;
   if (found.operands.empty() && command.needs_operand()) {
-    const bool recording =
-        command.verb == Verb::export_frames || command.verb == Verb::merge;
+    const bool recording = command.verb == Verb::export_frames || command.verb == Verb::merge;
     throw UsageError(
         fmt::format("salvo {} needs a {}", command.name, recording ? "recording" : "scene"),
         fmt::format("for example: salvo {} {}{}", command.name,

@@ -37,7 +37,7 @@ struct Options {
   bool keys = false;  ///< list the keys of a scene
   recording::ExportFormat format = recording::ExportFormat::csv;
   std::optional<std::int64_t> frame;
-  std::optional<std::uint64_t> index;  ///< of one row of a sweep
+  std::optional<std::uint64_t> index;                            ///< of one row of a sweep
   std::optional<std::pair<std::uint64_t, std::uint64_t>> shard;  ///< i of n, from 1
   std::vector<std::string> columns;
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <map>
+#include <memory>
 
 #include "cli/interruption.hpp"
 #include "cli/memory.hpp"
@@ -51,9 +53,10 @@ class SweepRun {
                        "remove [stop], or run it in one piece");
     }
     if (first_ == last_) {
-      throw UsageError(fmt::format("shard {} of {} has no rows", shard, shards),
-                       fmt::format("the sweep has {} of {} rows", counted(parts_of(sweep_.rows()), "part"),
-                                   grouped(Sweep::part_rows)));
+      throw UsageError(
+          fmt::format("shard {} of {} has no rows", shard, shards),
+          fmt::format("the sweep has {} of {} rows", counted(parts_of(sweep_.rows()), "part"),
+                      grouped(Sweep::part_rows)));
     }
   }
 
@@ -61,7 +64,8 @@ class SweepRun {
     check_free_memory(std::min(sweep_.rows(), Sweep::part_rows));
     recording_ = std::make_unique<recording::SweepRecording>(
         directory_, scene_, sweep_,
-        recording::SweepOptions{options_.command_line, execution_, options_.resume, options_.force});
+        recording::SweepOptions{options_.command_line, execution_, options_.resume,
+                                options_.force});
     if (!options_.quiet && !options_.json) print(solved_text(scene_));
     try {
       take_parts();
@@ -90,22 +94,30 @@ class SweepRun {
                   "fewer samples on the way take less");
   }
 
+  // A part is hashed and written while the next one is computed.
   void take_parts() {
     for (std::uint64_t part = first_; part < last_ && !stopped_; ++part) {
       const std::uint64_t first = part * Sweep::part_rows;
       const std::uint64_t count = std::min(Sweep::part_rows, sweep_.rows() - first);
       if (const auto kept = recording_->kept(part, count)) {
+        take_written();
         parts_.push_back(*kept);
         kept_ += count;
       } else {
-        const solver::SweepRows rows = sweep_.run(first, count, execution_);
-        parts_.push_back(recording_->write(part, rows));
-        computed_ += count;
-        efficiency_ += rows.simd_efficiency * static_cast<double>(count);
-        if (sweep_.rows() <= few_rows) few_ = rows_text(sweep_, rows);
-        if (sweep_.rows() <= few_rows) few_json_ = json_of(sweep_, rows);
+        auto rows = std::make_shared<const solver::SweepRows>(sweep_.run(first, count, execution_));
+        efficiency_ += rows->simd_efficiency * static_cast<double>(count);
+        if (sweep_.rows() <= few_rows) {
+          few_ = rows_text(sweep_, *rows);
+          few_json_ = json_of(sweep_, *rows);
+        }
+        take_written();
+        written_ = std::async(std::launch::async,
+                              [this, part, rows] { return recording_->write(part, *rows); });
       }
-      if (scene_.stop) ask_to_stop();
+      if (scene_.stop) {
+        take_written();
+        ask_to_stop();
+      }
       progress_.update(static_cast<double>(part + 1 - first_) / static_cast<double>(last_ - first_),
                        [&] {
                          return fmt::format("{} of {} rows  {}  {} written", grouped(rows()),
@@ -114,9 +126,16 @@ class SweepRun {
                        });
       if (interrupted() && part + 1 < last_) {
         interrupted_ = true;
-        return;
+        break;
       }
     }
+    take_written();
+  }
+
+  void take_written() {
+    if (!written_.valid()) return;
+    parts_.push_back(written_.get());
+    computed_ += parts_.back().rows;
   }
 
   // The half-width of the confidence interval of the mean, over the rows so far.
@@ -141,8 +160,9 @@ class SweepRun {
         document["resume"] = resume_command();
         print_json(document);
       }
-      say(fmt::format("salvo: interrupted after {} of {}; what is recorded is complete\nto go on: {}",
-                      grouped(rows()), counted(wanted_rows(), "row"), resume_command()));
+      say(fmt::format(
+          "salvo: interrupted after {} of {}; what is recorded is complete\nto go on: {}",
+          grouped(rows()), counted(wanted_rows(), "row"), resume_command()));
       return ExitStatus::interrupted;
     }
     const std::vector<std::uint64_t> outcomes = recording_->outcome_counts(parts_);
@@ -172,7 +192,8 @@ class SweepRun {
                         seconds_text(seconds_), trajectory_rate(), solver::name(execution_.isa),
                         counted(static_cast<std::uint64_t>(execution_.threads), "thread"),
                         kept_ == 0 ? "" : fmt::format("; {} were there", counted(kept_, "row"))));
-      print(fmt::format("{} in {}\n", bytes_text(recording_->bytes_written()), directory_.string()));
+      print(
+          fmt::format("{} in {}\n", bytes_text(recording_->bytes_written()), directory_.string()));
     }
     flush_output();
     if (!options_.quiet) {
@@ -191,18 +212,18 @@ class SweepRun {
   }
 
   Json result(const char* status, const solver::Digest& hash) const {
-    Json document = {{"status", status},
-                     {"scene", scene_identity(scene_)},
-                     {"directory", directory_.string()},
-                     {"execution", json_of(execution_)},
-                     {"rows", rows()},
-                     {"kept", kept_},
-                     {"hash", to_string(hash)},
-                     {"seconds", seconds_},
-                     {"trajectories_per_second", rate()},
-                     {"simd_efficiency",
-                      computed_ == 0 ? 1 : efficiency_ / static_cast<double>(computed_)},
-                     {"bytes_written", recording_->bytes_written()}};
+    Json document = {
+        {"status", status},
+        {"scene", scene_identity(scene_)},
+        {"directory", directory_.string()},
+        {"execution", json_of(execution_)},
+        {"rows", rows()},
+        {"kept", kept_},
+        {"hash", to_string(hash)},
+        {"seconds", seconds_},
+        {"trajectories_per_second", rate()},
+        {"simd_efficiency", computed_ == 0 ? 1 : efficiency_ / static_cast<double>(computed_)},
+        {"bytes_written", recording_->bytes_written()}};
     document["solved"] = Json::array();
     const auto inputs = scene_.model->kernels(solver::Isa::scalar).input_fields;
     for (const scene::Solved& solved : scene_.solved) {
@@ -220,10 +241,14 @@ class SweepRun {
     const double seconds = seconds_ > 0 ? seconds_ : progress_.seconds();
     return seconds > 0 ? static_cast<double>(computed_) / seconds : 0;
   }
-  std::string trajectory_rate() const { return fmt::format("{:.4g} k trajectories/s", rate() / 1e3); }
+  std::string trajectory_rate() const {
+    return fmt::format("{:.4g} k trajectories/s", rate() / 1e3);
+  }
   std::string resume_command() const {
-    std::string command = command_for(scene_, "run") + " --out " + shell_quoted(directory_.string());
-    if (options_.shard) command += fmt::format(" --shard {}/{}", options_.shard->first, options_.shard->second);
+    std::string command =
+        command_for(scene_, "run") + " --out " + shell_quoted(directory_.string());
+    if (options_.shard)
+      command += fmt::format(" --shard {}/{}", options_.shard->first, options_.shard->second);
     return command + " --resume";
   }
 
@@ -234,6 +259,7 @@ class SweepRun {
   const solver::Execution execution_;
   Progress progress_;
   std::unique_ptr<recording::SweepRecording> recording_;
+  std::future<PartDigest> written_;
   std::vector<PartDigest> parts_;
   solver::Moments stopping_;
   std::uint64_t first_ = 0;  // parts
@@ -263,11 +289,11 @@ ExitStatus run_index(const Options& options, const scene::SweepScene& scene) {
                 {"scene", scene_identity(scene)},
                 {"execution", json_of(options.execution())},
                 {"index", index},
-                {"hash", to_string(rows.hash())},
+                {"hash", to_string(rows.hash(solver::Parallel(1)))},
                 {"trajectories", json_of(sweep, rows)}});
   } else {
     print(rows_text(sweep, rows));
-    print(fmt::format("\nhash  {}\n", to_string(rows.hash())));
+    print(fmt::format("\nhash  {}\n", to_string(rows.hash(solver::Parallel(1)))));
   }
   return ExitStatus::done;
 }
@@ -290,10 +316,11 @@ ExitStatus run_sweep(const Options& options, const scene::SweepScene& scene) {
 ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
   const Sweep sweep(scene.setup);
   Progress progress(options.quiet);
+  const solver::Parallel parallel(options.execution().threads);
   std::vector<PartDigest> parts;
   for (std::uint64_t first = 0; first < sweep.rows(); first += Sweep::part_rows) {
     const std::uint64_t count = std::min(Sweep::part_rows, sweep.rows() - first);
-    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash()});
+    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash(parallel)});
     progress.update(static_cast<double>(first + count) / static_cast<double>(sweep.rows()),
                     [&] { return fmt::format("row {} of {}", first + count, sweep.rows()); });
     if (!options.json) {

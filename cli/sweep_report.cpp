@@ -43,7 +43,8 @@ std::string text_of(const Json& value) {
 }
 
 std::string with_unit(const soa::Field& field) {
-  return field.unit.empty() ? std::string(field.name) : fmt::format("{} {}", field.name, field.unit);
+  return field.unit.empty() ? std::string(field.name)
+                            : fmt::format("{} {}", field.name, field.unit);
 }
 
 }  // namespace
@@ -75,8 +76,8 @@ Json json_of(const scene::SweepScene& scene, const Sweep& sweep,
     const soa::Field& field = sweep.fields()[columns[i]];
     Json quantiles = Json::array();
     for (std::size_t q = 0; q < scene.statistics.quantiles.size(); ++q) {
-      quantiles.push_back({{"part", scene.statistics.quantiles[q]},
-                           {"value", statistics.quantiles[i][q]}});
+      quantiles.push_back(
+          {{"part", scene.statistics.quantiles[q]}, {"value", statistics.quantiles[i][q]}});
     }
     Json covariance = Json::array();
     for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -190,9 +191,9 @@ std::string statistics_text(const scene::SweepScene& scene, const Sweep& sweep,
                       plane.mean[0], plane.mean[1], unit);
   text += circles("about the mean", plane.circular_error);
   text += circles("about the aim", plane.circular_error_of_aim);
-  text += fmt::format("ellipse of one deviation: semi-axes {:.6g} and {:.6g} {}, {:.4g} deg from {}\n",
-                      plane.semi_axes[0], plane.semi_axes[1], unit, plane.angle * 57.29577951308232,
-                      axis(0));
+  text += fmt::format(
+      "ellipse of one deviation: semi-axes {:.6g} and {:.6g} {}, {:.4g} deg from {}\n",
+      plane.semi_axes[0], plane.semi_axes[1], unit, plane.angle * 57.29577951308232, axis(0));
   if (scene.statistics.plane->half_sizes) {
     text += fmt::format("hits {} of {}: {:.4f} %, between {:.4f} and {:.4f} % at 95 %\n",
                         grouped(plane.hits), grouped(statistics.moments.count()),

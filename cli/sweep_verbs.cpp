@@ -127,8 +127,7 @@ void describe_sweep(const Options& options, const scene::SweepScene& scene) {
   if (!scene.solved.empty()) print(line("solved", solved_text(scene)));
   print(line("columns", fmt::format("{}", fmt::join(columns, " "))));
   print(line("recording", fmt::format("about {}", bytes_text(bytes))));
-  print(line("memory",
-             bytes_text(sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows)))));
+  print(line("memory", bytes_text(sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows)))));
   print(line("digest", to_string(scene::row_digest(scene))));
 }
 

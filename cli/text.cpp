@@ -52,7 +52,13 @@ std::string rate_text(double particle_steps_per_second) {
 }
 
 std::string counted(std::uint64_t number, const char* noun) {
-  return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
+  std::string word = noun;
+  if (number != 1 && word.ends_with('y')) {
+    word.replace(word.size() - 1, 1, "ies");
+  } else if (number != 1) {
+    word += 's';
+  }
+  return fmt::format("{} {}", grouped(number), word);
 }
 
 }  // namespace salvo::cli

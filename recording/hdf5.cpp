@@ -221,8 +221,9 @@ Handle create_virtual_dataset(hid_t parent, const std::string& name, hid_t type,
   for (const VirtualPart& part : parts) {
     Extents block = extents;
     block[0] = part.rows;
-    checked(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr),
-            "select rows");
+    checked(
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr),
+        "select rows");
     const Handle source = dataspace(block);
     checked(H5Pset_virtual(properties, space, part.file.c_str(), path.c_str(), source),
             "map a dataset");

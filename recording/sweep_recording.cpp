@@ -57,7 +57,7 @@ std::optional<PartDigest> SweepRecording::kept(std::uint64_t part, std::uint64_t
 }
 
 PartDigest SweepRecording::write(std::uint64_t part, const solver::SweepRows& rows) {
-  const solver::Digest hash = rows.hash();
+  const solver::Digest hash = rows.hash(solver::Parallel(1));
   const std::filesystem::path path = part_path(part);
   write_part(path, scene_, sweep_, rows, hash);
   bytes_written_ += std::filesystem::file_size(path);
@@ -138,9 +138,8 @@ void SweepRecording::write_index(const std::vector<PartDigest>& parts) const {
   }
   if (sweep_.levels() != 0) {
     const hdf5::Extents extents{rows, sweep_.levels()};
-    add("/samples/time",
-        {"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0}, soa::Precision::float64,
-        extents);
+    add("/samples/time", {"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0},
+        soa::Precision::float64, extents);
     for (const soa::Field& field : sweep_.sample_fields()) {
       add("/samples/" + std::string(field.name), field, soa::Precision::float64, extents);
     }

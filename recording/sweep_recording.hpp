@@ -3,6 +3,7 @@
 // from shards.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -64,7 +65,7 @@ class SweepRecording {
   SweepOptions options_;
   std::unique_ptr<DirectoryLock> lock_;
   std::string started_;
-  std::uint64_t bytes_written_ = 0;
+  std::atomic<std::uint64_t> bytes_written_ = 0;
 };
 
 }  // namespace salvo::recording

@@ -80,12 +80,16 @@ std::vector<double> CsvTable::column(const std::string& name, const std::string&
   for (std::size_t row = 0; row < cells_.size(); ++row) {
     const std::string& cell = cells_[row][index];
     try {
-      values.push_back(units_[index].empty() ? quantity(cell, unit)
-                                             : quantity(cell + " " + units_[index], unit));
+      const bool plain = cell.find_first_not_of("0123456789+-.eE") == std::string::npos;
+      if (!units_[index].empty()) {
+        values.push_back(quantity(cell + " " + units_[index], unit));
+      } else {
+        values.push_back(plain ? number_in(cell, unit) : quantity(cell, unit));
+      }
     } catch (const UnitError& error) {
-      throw TableError(fmt::format("{}:{}: column \"{}\": {}", path_, lines_[row], name,
-                                   error.what()),
-                       error.hint());
+      throw TableError(
+          fmt::format("{}:{}: column \"{}\": {}", path_, lines_[row], name, error.what()),
+          error.hint());
     }
   }
   return values;

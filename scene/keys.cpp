@@ -299,8 +299,7 @@ void Reader::read(const Value& value, const KeyText& key, InputValue& out) {
     variation.kind = Kind::grid;
     for (std::int64_t i = 0; i < *count; ++i) {
       const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
-      variation.values.push_back(i == *count - 1 ? ends[1]
-                                                 : ends[0] + (ends[1] - ends[0]) * part);
+      variation.values.push_back(i == *count - 1 ? ends[1] : ends[0] + (ends[1] - ends[0]) * part);
     }
   } else {
     fail(value, named(key) + " varies in no known way", fmt::format("expected {}", input_forms));

@@ -135,8 +135,7 @@ class SweepCompletion {
     }
     try {
       if (!table_) {
-        table_.emplace(
-            (std::filesystem::path(keys_.path).parent_path() / keys_.table).string());
+        table_.emplace((std::filesystem::path(keys_.path).parent_path() / keys_.table).string());
       }
       input.values = table_->column(column, std::string(field.unit));
     } catch (const TableError& error) {
@@ -243,8 +242,8 @@ class SweepCompletion {
     if (given.stop_at) integration.stop_at = events(*given.stop_at, "integration.stop_at");
     integration.record = events(given.record, "integration.record");
     for (std::size_t e = 0; e < kernels_->events.size(); ++e) {
-      const bool stops = integration.stop_at ? (*integration.stop_at >> e & 1) != 0
-                                             : kernels_->events[e].stops;
+      const bool stops =
+          integration.stop_at ? (*integration.stop_at >> e & 1) != 0 : kernels_->events[e].stops;
       if (!stops || (integration.record >> e & 1) == 0) continue;
       fail("integration.record",
            fmt::format("\"{}\" ends a row, so the row's end records it", kernels_->events[e].name),
@@ -308,7 +307,8 @@ class SweepCompletion {
       }
       table = table || column;
     }
-    if (rows > 0x1p40) fail("sweep", fmt::format("there are {:.3g} rows", rows), "expected at most 2^40");
+    if (rows > 0x1p40)
+      fail("sweep", fmt::format("there are {:.3g} rows", rows), "expected at most 2^40");
     bool random = !keys_.setup.joint.empty();
     for (const Variation& input : keys_.setup.inputs) random = random || input.random();
     if (keys_.setup.samples > 1 && !random) {
@@ -556,9 +556,8 @@ solver::Digest row_digest(const SweepScene& scene) {
   }
   const bool fixed = setup.sampling == solver::Sampling::latin_hypercube;
   text += fmt::format("{} {}\n", static_cast<int>(setup.sampling), fixed ? setup.samples : 0);
-  text += fmt::format("{} {} {} {}\n", static_cast<int>(integration.method),
-                      integration.most_steps, integration.stop_at.value_or(~std::uint32_t{0}),
-                      integration.record);
+  text += fmt::format("{} {} {} {}\n", static_cast<int>(integration.method), integration.most_steps,
+                      integration.stop_at.value_or(~std::uint32_t{0}), integration.record);
   add(std::array{integration.step, integration.absolute_tolerance, integration.relative_tolerance,
                  integration.smallest_step, setup.time_limit});
   text += fmt::format("{}", integration.samples.quantity);

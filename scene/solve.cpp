@@ -55,8 +55,8 @@ std::vector<double> residuals(const Equation& equation, const solver::SweepSetup
 std::optional<std::size_t> crossing(const std::vector<double>& residual, bool last) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i + 1 < residual.size(); ++i) {
-    const bool passes = (residual[i] <= 0 && residual[i + 1] >= 0) ||
-                        (residual[i] >= 0 && residual[i + 1] <= 0);
+    const bool passes =
+        (residual[i] <= 0 && residual[i + 1] >= 0) || (residual[i] >= 0 && residual[i + 1] <= 0);
     if (!passes) continue;
     found = i;
     if (!last) break;
@@ -107,9 +107,9 @@ std::vector<Unsolved> solve(std::vector<Equation>& equations, solver::SweepSetup
         unsolved.push_back(*without);
         continue;
       }
-      changed = changed || round == 0 ||
-                std::abs(equation.value - before) >
-                    1e-14 * (equation.between[1] - equation.between[0]);
+      changed =
+          changed || round == 0 ||
+          std::abs(equation.value - before) > 1e-14 * (equation.between[1] - equation.between[0]);
       set_nominal(setup, equation.input, equation.value);
     }
     if (!changed || !unsolved.empty()) break;

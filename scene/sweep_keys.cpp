@@ -44,14 +44,15 @@ const Section<InputKeys>& input_section(const solver::ModelEntry& model) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const soa::Field& field = fields[i];
     const Words words = words_of_input(field.name);
-    keys.push_back(of.key(
-                         std::string(field.name), std::string(field.unit),
-                         [i](InputKeys & in) -> auto& { return in.inputs[i]; },
-                         std::string(field.meaning), between(field.lowest, field.highest), words)
-                       .otherwise(fallback_of(field, words)));
+    keys.push_back(
+        of.key(
+              std::string(field.name),
+              std::string(field.unit), [i](InputKeys & in) -> auto& { return in.inputs[i]; },
+              std::string(field.meaning), between(field.lowest, field.highest), words)
+            .otherwise(fallback_of(field, words)));
   }
-  section = std::make_unique<const Section<InputKeys>>(
-      std::string(model.name), false, std::string(model.meaning), std::move(keys));
+  section = std::make_unique<const Section<InputKeys>>(std::string(model.name), false,
+                                                       std::string(model.meaning), std::move(keys));
   return *section;
 }
 
@@ -118,8 +119,8 @@ const Section<IntegrationKeys>& integration_section() {
                  "added to it: a part of each component of the state", not_negative),
           of.key("smallest_step", "s", &IntegrationKeys::smallest_step,
                  "a row that needs a shorter one ends there", not_negative),
-          of.key("most_steps", "", &IntegrationKeys::most_steps,
-                 "a row that needs more ends there", between(1, 0x1p24)),
+          of.key("most_steps", "", &IntegrationKeys::most_steps, "a row that needs more ends there",
+                 between(1, 0x1p24)),
           of.key("time_limit", "s", &IntegrationKeys::time_limit, "the end of every row", positive)
               .must(),
           of.key("stop_at", "", &IntegrationKeys::stop_at, "events that end a row")
@@ -163,8 +164,9 @@ const Section<StatisticsKeys>& statistics_section() {
   static const Section<StatisticsKeys> section(
       "statistics", false, "what is told of all rows together",
       {
-          of.key("columns", "", &StatisticsKeys::columns, "of which mean, deviation and quantiles "
-                                                          "are told")
+          of.key("columns", "", &StatisticsKeys::columns,
+                 "of which mean, deviation and quantiles "
+                 "are told")
               .otherwise("the time and the state at the end"),
           of.key("quantiles", "", &StatisticsKeys::quantiles, "which", between(0, 1)),
           of.key("outcomes", "", &StatisticsKeys::outcomes, "rows that count: those that ended so")
@@ -183,10 +185,10 @@ const Section<StopKeys>& stop_section() {
       "end the sweep when a mean is known well enough, asked after every 65,536 rows",
       {
           of.key("column", "", &StopKeys::column, "whose mean").must(),
-          of.key("half_width", "", &StopKeys::half_width,
-                 "of its confidence interval, in its unit")
+          of.key("half_width", "", &StopKeys::half_width, "of its confidence interval, in its unit")
               .must(),
-          of.key("confidence", "", &StopKeys::confidence, "of the interval", between(0.5, 0.999999)),
+          of.key("confidence", "", &StopKeys::confidence, "of the interval",
+                 between(0.5, 0.999999)),
       });
   return section;
 }

@@ -35,7 +35,7 @@ struct SweepScene : SceneText {
   std::vector<bool> counted;  ///< by outcome: whether the statistics count such rows
   std::optional<StopSettings> stop;
   std::vector<Solved> solved;
-  std::uint64_t verify_rows = 2000;
+  std::uint64_t verify_rows = 50000;
 };
 
 /// The digest of all that decides the bits of a row: two scenes that agree in it have equal rows

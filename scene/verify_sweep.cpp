@@ -42,7 +42,8 @@ std::optional<SweepDifference> difference(const Sweep& sweep, const SweepRows& r
     for (std::size_t f = 0; f < sweep.fields().size(); ++f) {
       const double a = value_at(reference.table, f, first + row);
       const double b = value_at(varied.table, f, row);
-      if (!same(a, b)) return SweepDifference{first + row, std::string(sweep.fields()[f].name), a, b};
+      if (!same(a, b))
+        return SweepDifference{first + row, std::string(sweep.fields()[f].name), a, b};
     }
     for (std::size_t level = 0; level < sweep.levels(); ++level) {
       const std::size_t in_reference = (first + row) * sweep.levels() + level;
@@ -52,7 +53,8 @@ std::optional<SweepDifference> difference(const Sweep& sweep, const SweepRows& r
         const double b = varied.samples[f][in_varied];
         if (!same(a, b)) {
           return SweepDifference{
-              first + row, fmt::format("samples.{}[{}]", sweep.sample_fields()[f].name, level), a, b};
+              first + row, fmt::format("samples.{}[{}]", sweep.sample_fields()[f].name, level), a,
+              b};
         }
       }
     }
@@ -80,12 +82,13 @@ std::vector<SweepVerifyRun> verify(const SweepScene& scene, const SweepVerifyOpt
 
   const Execution reference_execution{solver::Isa::scalar, 1, 1};
   const SweepRows reference = run(0, rows, reference_execution);
-  const solver::Digest hash = reference.hash();
+  const solver::Digest hash = reference.hash(solver::Parallel(1));
   runs.push_back({"reference", "scalar", hash, rows, std::nullopt});
   progress();
   const auto compare = [&](std::string axis, std::string value, const Execution& execution) {
     const SweepRows varied = run(0, rows, execution);
-    SweepVerifyRun result{std::move(axis), std::move(value), varied.hash(), rows, std::nullopt};
+    SweepVerifyRun result{std::move(axis), std::move(value), varied.hash(solver::Parallel(1)), rows,
+                          std::nullopt};
     if (!(result.hash == hash)) result.difference = difference(sweep, reference, varied, 0);
     runs.push_back(std::move(result));
     progress();

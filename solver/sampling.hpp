@@ -19,8 +19,8 @@ class SampleLine {
   /// Inputs that the Sobol sequence has dimensions for.
   static constexpr std::size_t most_dimensions = 40;
 
-  /// `input` names the input; `dimension` is its place in the model's list, which the Sobol sequence
-  /// goes by; `samples` is the N of a Latin hypercube.
+  /// `input` names the input; `dimension` is its place in the model's list, which the Sobol
+  /// sequence goes by; `samples` is the N of a Latin hypercube.
   SampleLine(Sampling sampling, std::uint64_t seed, std::string_view input, std::size_t dimension,
              std::uint64_t samples);
 

@@ -208,9 +208,8 @@ Statistics statistics(const StatisticsSettings& settings, const ColumnSource& so
   }
   if (settings.plane) {
     Moments count(1);
-    source(std::span(settings.plane->columns.data(), 1), [&](auto columns) {
-      count.add_part(columns);
-    });
+    source(std::span(settings.plane->columns.data(), 1),
+           [&](auto columns) { count.add_part(columns); });
     if (count.count() >= 2) result.plane = plane_statistics(*settings.plane, source);
   }
   return result;

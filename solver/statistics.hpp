@@ -48,9 +48,9 @@ double half_width_of_mean(const Moments& moments, std::size_t column, double con
 
 /// The values that parts `p` of a column's `count` values lie below: between the two nearest in
 /// order, linearly, as NumPy's default. Four passes.
-std::vector<double> exact_quantiles(std::uint64_t count, std::span<const double> p,
-                                    const std::function<void(const std::function<void(double)>&)>&
-                                        for_each_value);
+std::vector<double> exact_quantiles(
+    std::uint64_t count, std::span<const double> p,
+    const std::function<void(const std::function<void(double)>&)>& for_each_value);
 
 /// Where trajectories come through a plane, such as the y and z at a range.
 struct PlaneSettings {
@@ -78,7 +78,7 @@ struct StatisticsSettings {
 };
 
 struct Statistics {
-  Moments moments{0};                           ///< of the columns
+  Moments moments{0};                          ///< of the columns
   std::vector<std::vector<double>> quantiles;  ///< by column
   std::optional<PlaneStatistics> plane;        ///< with at least two rows
 };

@@ -27,8 +27,8 @@ std::vector<double*> pointers(std::vector<std::vector<double>>& columns) {
 
 }  // namespace
 
-Digest SweepRows::hash() const {
-  const Digest of_table = state_hash(table, Parallel(1)).total;
+Digest SweepRows::hash(const Parallel& parallel) const {
+  const Digest of_table = state_hash(table, parallel).total;
   if (samples.empty() || sample_time.empty()) return of_table;
   std::vector<std::uint64_t> words{of_table.high, of_table.low};
   const auto add = [&](const std::vector<double>& column) {
@@ -77,7 +77,10 @@ Sweep::Sweep(SweepSetup setup) : setup_(std::move(setup)), kernels_(&setup_.mode
     for (const std::size_t input : joint.inputs) lines.lines.push_back(line(input));
   }
 
-  add_field("id", {"", soa::Scalar::uint64, 1, "", "index of the row", 0, 0, std::numeric_limits<double>::max()}, true);
+  add_field("id",
+            {"", soa::Scalar::uint64, 1, "", "index of the row", 0, 0,
+             std::numeric_limits<double>::max()},
+            true);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const bool varies = setup_.inputs[i].kind != Variation::Kind::constant || is_joint[i];
     add_field(fmt::format("input.{}", inputs[i].name), inputs[i], varies);
@@ -86,7 +89,8 @@ Sweep::Sweep(SweepSetup setup) : setup_(std::move(setup)), kernels_(&setup_.mode
   add_field("steps", whole("", "steps tried"), true);
   add_field("grazes", whole("", "events that touched zero, a bit each"), !kernels_->events.empty());
   add_field("sampled", whole("", "samples that were reached"), levels() != 0);
-  const soa::Field time{"", soa::Scalar::real, 1, "s", "when it ended", 0, 0, std::numeric_limits<double>::max()};
+  const soa::Field time{
+      "", soa::Scalar::real, 1, "s", "when it ended", 0, 0, std::numeric_limits<double>::max()};
   add_field("time", time, true);
   const auto add_state = [&](std::string_view group, bool results) {
     for (const soa::Field& field : kernels_->state_fields) {
@@ -118,8 +122,8 @@ void Sweep::add_field(const std::string& name, soa::Field field, bool stored) {
 std::vector<std::string> Sweep::outcomes() const {
   std::vector<std::string> names;
   for (const models::Event& event : kernels_->events) names.emplace_back(event.name);
-  for (const Outcome outcome : {Outcome::time_limit, Outcome::step_limit, Outcome::not_finite,
-                                Outcome::smallest_step}) {
+  for (const Outcome outcome :
+       {Outcome::time_limit, Outcome::step_limit, Outcome::not_finite, Outcome::smallest_step}) {
     names.emplace_back(name(outcome));
   }
   return names;
@@ -154,7 +158,8 @@ template <class T>
 void Sweep::fill_state(const std::vector<std::vector<double>>& started, Batch& batch) const {
   const auto copy = [&](std::string_view name, const std::vector<double>& from) {
     const std::span<T> to = batch.column<T>(name);
-    std::transform(from.begin(), from.end(), to.begin(), [](double x) { return static_cast<T>(x); });
+    std::transform(from.begin(), from.end(), to.begin(),
+                   [](double x) { return static_cast<T>(x); });
   };
   const std::size_t states = kernels_->state_fields.size();
   for (std::size_t f = 0; f < started.size(); ++f) {
@@ -194,7 +199,8 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
   const bool narrow = setup_.precision == soa::Precision::float32;
   narrow ? fill_state<float>(started, batch) : fill_state<double>(started, batch);
   const std::vector<double> end(count, setup_.time_limit);
-  const Integrated ended = batch.integrate(end, setup_.integration, execution.isa, execution.threads);
+  const Integrated ended =
+      batch.integrate(end, setup_.integration, execution.isa, execution.threads);
 
   // Inputs, time and state to results, at the end and at every sample.
   const auto finish = [&](const std::vector<double>& time,
@@ -299,8 +305,9 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
 }
 
 std::uint64_t Sweep::bytes_of(std::uint64_t count) const {
-  const std::uint64_t columns = 2 * fields_.size() + kernels_->parameter_fields.size() +
-                                levels() * (2 * sample_fields_.size() + kernels_->input_fields.size());
+  const std::uint64_t columns =
+      2 * fields_.size() + kernels_->parameter_fields.size() +
+      levels() * (2 * sample_fields_.size() + kernels_->input_fields.size());
   return count * columns * sizeof(double);
 }
 

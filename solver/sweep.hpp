@@ -48,7 +48,7 @@ struct SweepRows {
   double simd_efficiency = 1;
 
   /// Of the table, and of the samples when there are any.
-  Digest hash() const;
+  Digest hash(const Parallel& parallel) const;
 };
 
 class Sweep {

@@ -20,10 +20,10 @@ double polynomial(const Coefficients& c, double x) {
   return sum;
 }
 
-constexpr Coefficients a{3.3871328727963666080e0, 1.3314166789178437745e+2, 1.9715909503065514427e+3,
-                         1.3731693765509461125e+4, 4.5921953931549871457e+4,
-                         6.7265770927008700853e+4, 3.3430575583588128105e+4,
-                         2.5090809287301226727e+3};
+constexpr Coefficients a{3.3871328727963666080e0,  1.3314166789178437745e+2,
+                         1.9715909503065514427e+3, 1.3731693765509461125e+4,
+                         4.5921953931549871457e+4, 6.7265770927008700853e+4,
+                         3.3430575583588128105e+4, 2.5090809287301226727e+3};
 constexpr Coefficients b{1,
                          4.2313330701600911252e+1,
                          6.8718700749205790830e+2,
@@ -78,7 +78,8 @@ double normal_probability(double x) {
   double low = 1e-300;
   double high = 0.5;
   for (int i = 0; i < 1100 && low < high; ++i) {
-    const double middle = high > 4 * low ? (sqrt(S(low)) * sqrt(S(high))).value() : 0.5 * (low + high);
+    const double middle =
+        high > 4 * low ? (sqrt(S(low)) * sqrt(S(high))).value() : 0.5 * (low + high);
     if (middle <= low || middle >= high) break;
     (normal_quantile(middle) < x ? low : high) = middle;
   }

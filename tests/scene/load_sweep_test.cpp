@@ -1,0 +1,357 @@
+// Reading scenes of trajectories: what the keys fill, what is solved for, and the text of every
+// kind of mistake.
+#include "scene/load_sweep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "scene/solve.hpp"
+
+namespace salvo::scene {
+namespace {
+
+const std::string minimal = R"([projectile]
+speed = 800
+range = 100
+[integration]
+step = 0.01
+absolute_tolerance = 1e-6
+time_limit = 10
+)";
+
+std::string mistakes_of(const std::string& text, const std::vector<std::string>& overrides = {},
+                        const std::string& path = "scene.toml") {
+  try {
+    parse_sweep(text, path, overrides);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no mistake";
+}
+std::string mistakes_with(const std::string& more) { return mistakes_of(minimal + more); }
+std::string mistake_of_speed(const std::string& value) {
+  return mistakes_of("[projectile]\nspeed = " + value +
+                     "\n[integration]\nstep = 0.01\nabsolute_tolerance = 1e-6\ntime_limit = 10\n");
+}
+
+std::size_t input(const SweepScene& scene, std::string_view name) {
+  const auto fields = scene.model->kernels(solver::Isa::scalar).input_fields;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].name == name) return i;
+  }
+  throw std::invalid_argument(std::string(name));
+}
+const solver::Variation& of(const SweepScene& scene, std::string_view name) {
+  return scene.setup.inputs[input(scene, name)];
+}
+
+TEST(SweepScene, ModelsAndKindsAreToldApart) {
+  EXPECT_TRUE(std::holds_alternative<SweepScene>(parse_any(minimal, "s")));
+  const std::string particles =
+      "[time]\ndt = 0.01\nduration = 1\n[[emitter]]\nkind = \"burst\"\ncount = 10\n";
+  EXPECT_TRUE(std::holds_alternative<Scene>(parse_any(particles, "s")));
+  EXPECT_EQ(text_of(parse_any(particles, "s")).text, particles);
+  const SweepScene scene = parse_sweep(minimal, "s");
+  EXPECT_EQ(scene.model->name, "projectile");
+  EXPECT_EQ(of(scene, "speed").a, 800);
+  EXPECT_EQ(of(scene, "gravity").a, 9.80665);
+  EXPECT_EQ(scene.setup.precision, soa::Precision::float64);
+  EXPECT_EQ(solver::Sweep(scene.setup).rows(), 1u);
+}
+
+TEST(SweepScene, InputsVaryInEveryWay) {
+  using Kind = solver::Variation::Kind;
+  const SweepScene scene = parse_sweep(R"([projectile]
+drag_function = "G1"
+speed = { normal = ["2700 fps", "10 fps"] }
+elevation = ["1 deg", "2 deg", 0.1]
+azimuth = { uniform = ["-1 deg", "1 deg"] }
+wind_z = { normal = [0, 2], within = [-5, 5] }
+altitude = { from = "0 m", to = "1 km", count = 5 }
+[sweep]
+samples = 10
+[integration]
+step = "10 ms"
+time_limit = 1
+)",
+                                       "s");
+  EXPECT_EQ(of(scene, "drag_function").a, 0);
+  EXPECT_EQ(of(scene, "speed").kind, Kind::normal);
+  EXPECT_NEAR(of(scene, "speed").a, 2700 * 0.3048, 1e-12);
+  EXPECT_NEAR(of(scene, "speed").b, 3.048, 1e-14);
+  EXPECT_EQ(of(scene, "elevation").kind, Kind::grid);
+  EXPECT_NEAR(of(scene, "elevation").values[1], M_PI / 90, 1e-15);
+  EXPECT_EQ(of(scene, "azimuth").kind, Kind::uniform);
+  EXPECT_EQ(of(scene, "wind_z").kind, Kind::truncated_normal);
+  EXPECT_EQ(of(scene, "wind_z").highest, 5);
+  EXPECT_EQ(of(scene, "altitude").values, (std::vector<double>{0, 250, 500, 750, 1000}));
+  EXPECT_EQ(solver::Sweep(scene.setup).rows(), 150u);
+}
+
+TEST(SweepScene, WrongVariationsAreNamedWithTheirPlace) {
+  EXPECT_EQ(mistake_of_speed("{ normal = [800, -1] }"),
+            "scene.toml:2:26: error: \"speed\" in [projectile] is out of bounds\n"
+            "  2 | speed = { normal = [800, -1] }\n"
+            "    |                          ^^ expected more than 0 m/s");
+  EXPECT_EQ(mistake_of_speed("{ uniform = [5, 5] }"),
+            "scene.toml:2:9: error: \"speed\" in [projectile] has no width\n"
+            "  2 | speed = { uniform = [5, 5] }\n"
+            "    |         ^^^^^^^^^^^^^^^^^^^^ expected [low, high], low below high");
+  EXPECT_NE(mistake_of_speed("{ norml = [5, 5] }").find("varies in no known way"),
+            std::string::npos);
+  EXPECT_NE(mistake_of_speed("{ normal = [5, 1], within = [20, 30] }").find("8 deviations"),
+            std::string::npos);
+  EXPECT_NE(mistake_of_speed("[]").find("is empty"), std::string::npos);
+  EXPECT_NE(mistake_of_speed("-3").find("out of bounds"), std::string::npos);
+  EXPECT_NE(mistake_of_speed("\"3 kg\"").find("a speed"), std::string::npos);
+  EXPECT_NE(mistake_of_speed("{ from = 1, to = 2, count = 1 }").find("out of bounds"),
+            std::string::npos);
+  EXPECT_NE(mistake_of_speed("{ column = \"v\" }").find("there is no table"), std::string::npos);
+}
+
+TEST(SweepScene, AnUnknownKeyOrWordGetsASuggestion) {
+  EXPECT_EQ(mistakes_of("[projectile]\nsped = 1\n[integration]\nstep = 1\ntime_limit = 1\n"),
+            "scene.toml:2:1: error: unknown key \"sped\" in [projectile]\n"
+            "  2 | sped = 1\n"
+            "    | ^^^^ did you mean \"speed\"?");
+  EXPECT_NE(mistakes_of("[projectil]\nspeed = 1\n[integration]\nstep = 1\ntime_limit = 1\n")
+                .find("did you mean \"projectile\"?"),
+            std::string::npos);
+  EXPECT_NE(mistakes_with("record = [\"apx\"]\n").find("did you mean \"apex\"?"),
+            std::string::npos);
+  EXPECT_NE(mistakes_with("[statistics]\ncolumns = [\"end.yy\"]\n").find("there is no column"),
+            std::string::npos);
+  EXPECT_NE(
+      mistakes_with("[statistics]\ncolumns = [\"outcome\"]\n").find("is no measured quantity"),
+      std::string::npos);
+  EXPECT_NE(mistakes_with("[lorenz]\n").find("[projectile] and [lorenz] are both given"),
+            std::string::npos);
+  EXPECT_NE(mistakes_of("[integration]\nstep = 1\ntime_limit = 1\n").find("there is no model"),
+            std::string::npos);
+}
+
+TEST(SweepScene, WhatDoesNotGoTogetherIsRefused) {
+  EXPECT_NE(mistakes_of(minimal, {"integration.method=runge_kutta_4"}).find("knows no error"),
+            std::string::npos);
+  EXPECT_NE(mistakes_with("record = [\"range\"]\n").find("ends a row"), std::string::npos);
+  EXPECT_NE(mistakes_with("[sweep]\nsamples = 10\n").find("no input is random"), std::string::npos);
+  EXPECT_NE(mistakes_with("[samples]\nlevels = [3, 2]\n").find("do not ascend"), std::string::npos);
+  EXPECT_NE(mistakes_with("[samples]\nto = 3\n").find("missing keys"), std::string::npos);
+  EXPECT_NE(mistakes_with("[samples]\nof = \"x\"\nlevels = [\"1 s\"]\n").find("a length"),
+            std::string::npos);
+}
+
+TEST(SweepScene, SamplesTakeTheUnitOfWhatTheyAreOf) {
+  const SweepScene scene =
+      parse_sweep(minimal + "[samples]\nof = \"x\"\nto = \"100 yd\"\nevery = \"25 yd\"\n", "s");
+  EXPECT_EQ(scene.setup.integration.samples.quantity, 0u);
+  ASSERT_EQ(scene.setup.integration.samples.levels.size(), 5u);
+  EXPECT_NEAR(scene.setup.integration.samples.levels[4], 91.44, 1e-12);
+}
+
+TEST(SweepScene, JointInputsNeedACovarianceThatIsOne) {
+  const auto with = [](const std::string& covariance) {
+    return mistakes_with(
+        "[[joint_normal]]\ninputs = [\"wind_x\", \"wind_z\"]\nmean = [0, \"2 "
+        "m/s\"]\ncovariance = " +
+        covariance + "\n");
+  };
+  EXPECT_EQ(with("[[4, 1], [1, 2]]"), "no mistake");
+  EXPECT_NE(with("[[1, 2], [2, 1]]").find("not positive definite"), std::string::npos);
+  EXPECT_NE(with("[[1, 2], [3, 9]]").find("not symmetric"), std::string::npos);
+  EXPECT_NE(with("[[1, 2]]").find("has not the right shape"), std::string::npos);
+  EXPECT_NE(
+      mistakes_with("[[joint_normal]]\ninputs = [\"speed\"]\nmean = [1]\ncovariance = [[1]]\n")
+          .find("given elsewhere"),
+      std::string::npos);
+}
+
+TEST(SweepScene, CholeskysFactorTimesItselfIsTheMatrix) {
+  const std::vector<std::vector<double>> matrix{{4, 2, 0.6}, {2, 5, 1}, {0.6, 1, 3}};
+  const auto factor = cholesky(matrix);
+  ASSERT_TRUE(factor);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      double sum = 0;
+      for (std::size_t k = 0; k < 3; ++k) sum += (*factor)[a][k] * (*factor)[b][k];
+      EXPECT_NEAR(sum, matrix[a][b], 1e-14);
+    }
+  }
+}
+
+class Table : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("salvo_table_" +
+               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string with(const std::string& csv) const {
+    std::ofstream(folder_ / "shots.csv") << csv;
+    return (folder_ / "scene.toml").string();
+  }
+  const std::string text_ = R"([projectile]
+speed = { column = "v" }
+altitude = { column = "height" }
+[sweep]
+table = "shots.csv"
+[integration]
+step = 0.01
+time_limit = 1
+)";
+  std::filesystem::path folder_;
+};
+
+TEST_F(Table, ColumnsAreReadWithTheirUnits) {
+  const std::string path = with("# made by hand\nv [fps],height\n1000,5\n2000, 6\n");
+  const SweepScene scene = parse_sweep(text_, path);
+  EXPECT_EQ(of(scene, "speed").values, (std::vector<double>{304.8, 609.6}));
+  EXPECT_EQ(of(scene, "altitude").values, (std::vector<double>{5, 6}));
+}
+
+TEST_F(Table, ABadCellOrColumnIsNamedWithItsPlace) {
+  const auto mistake = [&](const std::string& csv) { return mistakes_of(text_, {}, with(csv)); };
+  EXPECT_NE(mistake("v,height\n1,2\n3,x4\n").find("shots.csv:3: column \"height\""),
+            std::string::npos);
+  EXPECT_NE(mistake("v,heigth\n1,2\n").find("did you mean \"heigth\"?"), std::string::npos);
+  EXPECT_NE(mistake("v,height\n1\n").find("shots.csv:2: 1 cells"), std::string::npos);
+  EXPECT_NE(mistake("v,height\n").find("has no rows"), std::string::npos);
+  EXPECT_NE(mistake("v,height\n-1,2\n").find("row 1 of column \"v\" is out of bounds"),
+            std::string::npos);
+  std::filesystem::remove(folder_ / "shots.csv");
+  EXPECT_NE(mistakes_of(text_, {}, (folder_ / "scene.toml").string()).find("cannot read"),
+            std::string::npos);
+}
+
+// sin(2 e) = g x / v^2 without air, which has a flat and a steep root.
+TEST(Solve, ElevationForARangeInVacuum) {
+  const auto elevation = [](const std::string& root) {
+    const SweepScene scene = parse_sweep(R"([shot_in_air]
+speed = 100
+ground = 0
+[integration]
+step = 0.1
+absolute_tolerance = 1e-12
+relative_tolerance = 1e-12
+time_limit = 100
+[[solve]]
+input = "elevation"
+between = [0.01, 1.56]
+quantity = "end.x"
+equals = 500
+root = ")" + root + "\"\n",
+                                         "s");
+    return of(scene, "elevation").a;
+  };
+  const double flat = 0.5 * std::asin(9.80665 * 500 / 10'000);
+  EXPECT_NEAR(elevation("first"), flat, 1e-13);
+  EXPECT_NEAR(elevation("last"), M_PI / 2 - flat, 1e-13);
+}
+
+TEST(Solve, AimingHoldsOffForTheWindInBothAngles) {
+  const SweepScene scene = parse_sweep(R"([projectile]
+speed = 800
+wind_z = { normal = [5, 1] }
+elevation = { normal = [0, 1e-4] }
+range = 800
+[sweep]
+samples = 4
+[integration]
+step = 0.05
+absolute_tolerance = 1e-9
+relative_tolerance = 1e-9
+time_limit = 10
+[[solve]]
+input = "elevation"
+between = ["0 deg", "5 deg"]
+quantity = "end.y"
+[[solve]]
+input = "azimuth"
+between = ["-5 deg", "5 deg"]
+quantity = "end.z"
+)",
+                                       "s");
+  EXPECT_EQ(of(scene, "elevation").kind, solver::Variation::Kind::normal);
+  ASSERT_EQ(scene.solved.size(), 2u);
+  const solver::Sweep sweep(nominal(scene.setup));
+  const solver::SweepRows rows = sweep.run(0, 1, {});
+  for (std::size_t f = 0; f < sweep.fields().size(); ++f) {
+    if (sweep.fields()[f].name == "end.y" || sweep.fields()[f].name == "end.z") {
+      EXPECT_NEAR(rows.table.column<double>(f)[0], 0, 1e-9);
+    }
+  }
+  EXPECT_LT(of(scene, "azimuth").a, 0);  // into the wind, which blows to the right
+}
+
+TEST(Solve, WithOtherInputsThanTheRunIsTheZeroOfARifle) {
+  const std::string text = R"([projectile]
+speed = 800
+y = -0.04
+range = 600
+[integration]
+step = 0.05
+absolute_tolerance = 1e-9
+relative_tolerance = 1e-9
+time_limit = 10
+[[solve]]
+input = "elevation"
+between = ["0 deg", "1 deg"]
+quantity = "end.y"
+)";
+  const SweepScene near = parse_sweep(text + "with = { range = \"100 m\" }\n", "s");
+  const SweepScene far = parse_sweep(text, "s");
+  EXPECT_EQ(of(near, "range").a, 600);
+  EXPECT_LT(of(near, "elevation").a, of(far, "elevation").a);
+}
+
+TEST(Solve, WhatCannotBeReachedIsSaidWithWhatCan) {
+  const std::string mistake = mistakes_of(R"([shot_in_air]
+speed = 100
+ground = 0
+[integration]
+step = 0.1
+absolute_tolerance = 1e-9
+time_limit = 100
+[[solve]]
+input = "elevation"
+between = [0.1, 1.5]
+quantity = "end.x"
+equals = "2 km"
+)");
+  EXPECT_NE(
+      mistake.find("scene.toml:10:11: error: no elevation from 0.1 to 1.5 rad brings end.x to "
+                   "2000 m"),
+      std::string::npos)
+      << mistake;
+  EXPECT_NE(mistake.find("it comes to 143.902"), std::string::npos) << mistake;
+}
+
+TEST(SweepScene, RowsOfMoreSamplesHaveTheSameDigest) {
+  const std::string random = R"([projectile]
+speed = { normal = [800, 1] }
+[sweep]
+samples = 10
+[integration]
+step = 0.01
+time_limit = 1
+)";
+  const auto digest = [&](const std::vector<std::string>& overrides) {
+    return to_string(row_digest(parse_sweep(random, "s", overrides)));
+  };
+  EXPECT_EQ(digest({}), digest({"sweep.samples=20"}));
+  EXPECT_EQ(digest({"sweep.sampling=sobol"}), digest({"sweep.sampling=sobol", "sweep.samples=20"}));
+  EXPECT_NE(digest({"sweep.sampling=latin_hypercube"}),
+            digest({"sweep.sampling=latin_hypercube", "sweep.samples=20"}));
+  EXPECT_NE(digest({}), digest({"seed=1"}));
+  EXPECT_NE(digest({}), digest({"projectile.y=1"}));
+  EXPECT_NE(digest({}), digest({"integration.step=0.02"}));
+  EXPECT_EQ(digest({}), digest({"title=other"}));
+}
+
+}  // namespace
+}  // namespace salvo::scene
