@@ -66,7 +66,7 @@ class SweepRun {
         directory_, scene_, sweep_,
         recording::SweepOptions{options_.command_line, execution_, options_.resume,
                                 options_.force});
-    if (!options_.quiet && !options_.json) print(solved_text(scene_));
+    if (!options_.json) print(solved_text(scene_));
     try {
       take_parts();
       return conclude();
@@ -188,10 +188,12 @@ class SweepRun {
                           half_width_));
       }
       print(fmt::format("\nhash  {} of {}\n", to_string(hash), counted(rows(), "row")));
-      print(fmt::format("{} in {}: {} ({}, {}){}\n", counted(computed_, "trajectory"),
-                        seconds_text(seconds_), trajectory_rate(), solver::name(execution_.isa),
-                        counted(static_cast<std::uint64_t>(execution_.threads), "thread"),
-                        kept_ == 0 ? "" : fmt::format("; {} were there", counted(kept_, "row"))));
+      if (computed_ != 0) {
+        print(fmt::format("{} in {}: {} ({}, {})\n", counted(computed_, "trajectory"),
+                          seconds_text(seconds_), trajectory_rate(), solver::name(execution_.isa),
+                          counted(static_cast<std::uint64_t>(execution_.threads), "thread")));
+      }
+      if (kept_ != 0) print(fmt::format("{} were there\n", counted(kept_, "row")));
       print(
           fmt::format("{} in {}\n", bytes_text(recording_->bytes_written()), directory_.string()));
     }
@@ -384,7 +386,7 @@ ExitStatus merge(const Options& options) {
     throw Failure(ExitStatus::input_output,
                   fmt::format("rows {} to {} are in none of the folders", part * Sweep::part_rows,
                               std::min(sweep.rows(), (part + 1) * Sweep::part_rows) - 1),
-                  fmt::format("run the missing shard, or: {} --resume", command_for(scene, "run")));
+                  "run the shard that is missing");
   }
   recording::ensure_directory(*options.out);
   if (!options.force) {

@@ -124,7 +124,12 @@ void describe_sweep(const Options& options, const scene::SweepScene& scene) {
                                  counted(sweep.points(), "grid point"),
                                  scene::name(scene.setup.precision), scene.setup.seed)));
   print(line("varied", varied.empty() ? "nothing" : fmt::format("{}", fmt::join(varied, ", "))));
-  if (!scene.solved.empty()) print(line("solved", solved_text(scene)));
+  const std::string solved = solved_text(scene);
+  for (std::size_t from = 0; from < solved.size();) {
+    const std::size_t end = solved.find('\n', from);
+    print(line(from == 0 ? "solved" : "", solved.substr(from, end - from)));
+    from = end + 1;
+  }
   print(line("columns", fmt::format("{}", fmt::join(columns, " "))));
   print(line("recording", fmt::format("about {}", bytes_text(bytes))));
   print(line("memory", bytes_text(sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows)))));

@@ -12,9 +12,11 @@
 // in sin, 59 in pow.
 #pragma once
 
-#include <sleef.h>
-
+// First, because SLEEF includes the compiler's intrinsics, too: the lane's header does it with the
+// warnings off that gcc 12 has about its own.
 #include "kernels/lane.hpp"
+
+#include <sleef.h>
 
 namespace salvo::kernels {
 inline namespace SALVO_ISA {

@@ -5,6 +5,10 @@
 //   static constexpr std::array<Event, 1> events{{{"ground", "it comes down", Direction::falling, true}}};
 //   template <class X>
 //   X quantity(std::size_t event, X t, const std::array<X, ..>& s, const std::array<X, ..>& p) const;
+//
+// A zero that needs more to count, such as the face of a box, is left to
+//
+//   Mask accepts(std::size_t event, const std::array<V, ..>& s, const std::array<V, ..>& p) const;
 // clang-format on
 #pragma once
 

@@ -126,7 +126,7 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
 void write_sweep_report(const std::filesystem::path& directory, const scene::SweepScene& scene,
                         const SweepReport& report) {
   const double rate =
-      report.wall_seconds > 0 ? static_cast<double>(report.rows) / report.wall_seconds : 0;
+      report.wall_seconds > 0 ? static_cast<double>(report.rows_computed) / report.wall_seconds : 0;
   write(directory,
         {{"program", "salvo"},
          {"status", name(report.status)},

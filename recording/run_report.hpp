@@ -50,7 +50,8 @@ struct SweepReport {
   std::string started;
   double wall_seconds = 0;
   std::uint64_t bytes_written = 0;
-  std::uint64_t rows = 0;  ///< recorded
+  std::uint64_t rows = 0;           ///< recorded
+  std::uint64_t rows_computed = 0;  ///< of them those that were not there before
   std::optional<solver::Digest> hash;
 };
 void write_sweep_report(const std::filesystem::path& directory, const scene::SweepScene& scene,

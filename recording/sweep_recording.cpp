@@ -61,6 +61,7 @@ PartDigest SweepRecording::write(std::uint64_t part, const solver::SweepRows& ro
   const std::filesystem::path path = part_path(part);
   write_part(path, scene_, sweep_, rows, hash);
   bytes_written_ += std::filesystem::file_size(path);
+  rows_written_ += rows.table.rows();
   return {part * Sweep::part_rows, rows.table.rows(), hash};
 }
 
@@ -170,6 +171,7 @@ void SweepRecording::write_report(RunStatus status, const std::vector<PartDigest
   report.started = started_;
   report.wall_seconds = seconds;
   report.bytes_written = bytes_written_;
+  report.rows_computed = rows_written_;
   for (const PartDigest& part : parts) report.rows += part.rows;
   if (!parts.empty()) report.hash = sweep_hash(parts);
   write_sweep_report(directory_, scene_, report);

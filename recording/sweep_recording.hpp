@@ -66,6 +66,7 @@ class SweepRecording {
   std::unique_ptr<DirectoryLock> lock_;
   std::string started_;
   std::atomic<std::uint64_t> bytes_written_ = 0;
+  std::atomic<std::uint64_t> rows_written_ = 0;
 };
 
 }  // namespace salvo::recording

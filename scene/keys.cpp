@@ -260,6 +260,13 @@ void Reader::read(const Value& value, const KeyText& key, InputValue& out) {
     variation.kind = Kind::normal;
     variation.a = pair[0];
     variation.b = pair[1];
+    // Beyond eight deviations lies one value of 10^15.
+    if (!value.find("within") && (!key.bounds.contain(pair[0] - 8 * pair[1]) ||
+                                  !key.bounds.contain(pair[0] + 8 * pair[1]))) {
+      fail(given, named(key) + " would come out of its bounds",
+           fmt::format("expected {} within 8 deviations of the mean; within = [low, high] holds it",
+                       key.bounds.text(key.stored)));
+    }
     if (const Value* within = value.find("within")) {
       if (!bound_pair(*within, key, pair)) return;
       variation.kind = Kind::truncated_normal;

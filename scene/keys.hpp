@@ -257,7 +257,7 @@ template <class E>
 requires(std::is_enum_v<E>) std::string type_text(const E*) { return "word"; }
 template <class X, std::size_t N>
 std::string type_text(const std::array<X, N>*) {
-  return fmt::format("list of {} numbers", N);
+  return fmt::format("list of {} {}s", N, type_text(static_cast<const X*>(nullptr)));
 }
 template <class X>
 std::string type_text(const std::vector<X>*) {

@@ -25,6 +25,7 @@ namespace {
 using solver::Variation;
 
 constexpr std::size_t most_levels = 100'000;
+constexpr double reach = 8;  // deviations: beyond them lies one value of 10^15
 
 // Turns what the keys hold into a scene, and checks what needs several keys.
 class SweepCompletion {
@@ -150,6 +151,17 @@ class SweepCompletion {
     }
   }
 
+  // Values that a distribution comes to are values of the input.
+  void check_reach(const soa::Field& field, double mean, double deviation,
+                   const std::string& path) {
+    const Bounds bounds = between(field.lowest, field.highest);
+    if (bounds.contain(mean - reach * deviation) && bounds.contain(mean + reach * deviation))
+      return;
+    fail(path, fmt::format("\"{}\" would come out of its bounds", field.name),
+         fmt::format("expected {} within {} deviations of the mean", bounds.text(field.unit),
+                     reach));
+  }
+
   void complete_joint() {
     std::map<std::size_t, std::string> taken;
     for (std::size_t j = 0; j < keys_.joint.size(); ++j) {
@@ -181,6 +193,11 @@ class SweepCompletion {
         double mean = 0;
         reader_.read(given.mean.value->items[k], like(field, given.inputs[k], true), mean);
         joint.mean.push_back(mean);
+        check_reach(field, mean,
+                    k < given.covariance.size() && k < given.covariance[k].size()
+                        ? std::sqrt(std::max(given.covariance[k][k], 0.0))
+                        : 0,
+                    fmt::format("{}.mean.{}", path, k));
         keys_.setup.inputs[joint.inputs[k]] = Variation::of(mean);
       }
       bool square = given.covariance.size() == n;
@@ -233,7 +250,7 @@ class SweepCompletion {
     const bool adaptive = given.absolute_tolerance > 0 || given.relative_tolerance > 0;
     if (adaptive && !solver::has_embedded(given.method)) {
       fail("integration.method", "the method knows no error, but there is a tolerance",
-           "expected tsitouras_5 or dormand_prince_5, or no tolerance");
+           "expected tsitouras_5, dormand_prince_5 or extrapolation_8, or no tolerance");
     }
     if (given.method == solver::Method::semi_implicit_euler && !kernels_->of_positions) {
       fail("integration.method", "the model is not one of positions and velocities",
@@ -421,6 +438,12 @@ class SweepCompletion {
       equation.input = *input;
       equation.column = *quantity;
       equation.last = given.root == WhichRoot::last;
+      if (!given.outcome.empty()) {
+        const std::vector<std::string> outcomes = sweep.outcomes();
+        if (const auto outcome = index_of(outcomes, given.outcome, path + ".outcome", "outcome")) {
+          equation.outcome = static_cast<std::uint32_t>(*outcome);
+        }
+      }
       const Variation& varies = keys_.setup.inputs[*input];
       if (varies.kind == Variation::Kind::grid || varies.kind == Variation::Kind::column) {
         fail(path + ".input", fmt::format("\"{}\" is a list of values", given.input),
@@ -440,6 +463,20 @@ class SweepCompletion {
       const Equation& equation = *unsolved.equation;
       const soa::Field& field = kernels_->input_fields[equation.input];
       const soa::Field& quantity = sweep.fields()[equation.column];
+      if (unsolved.pinned) {
+        fail(equation.path + ".quantity",
+             fmt::format("for some values of {}, {} is {:.9g} {} because trajectories end there",
+                         field.name, quantity.name, equation.target, quantity.unit),
+             "put what ends them out of reach, such as with = { ground = -1e6 }");
+        continue;
+      }
+      if (unsolved.least > unsolved.greatest) {
+        fail(equation.path + ".outcome",
+             fmt::format("no {} from {:.9g} to {:.9g} {} has this outcome", field.name,
+                         equation.between[0], equation.between[1], field.unit),
+             "expected an outcome that some trajectory has");
+        continue;
+      }
       fail(equation.path + ".between",
            fmt::format("no {} from {:.9g} to {:.9g} {} brings {} to {:.9g} {}", field.name,
                        equation.between[0], equation.between[1], field.unit, quantity.name,

@@ -12,8 +12,18 @@ namespace {
 
 constexpr std::uint64_t parts = 64;
 
+// A distribution moves as a whole.
 void set_nominal(solver::SweepSetup& setup, std::size_t input, double value) {
-  setup.inputs[input].a = value;
+  solver::Variation& varies = setup.inputs[input];
+  const double by = value - varies.nominal();
+  varies.lowest += by;
+  varies.highest += by;
+  if (varies.kind == solver::Variation::Kind::uniform) {
+    varies.a += by;
+    varies.b += by;
+  } else {
+    varies.a = value;
+  }
   for (solver::JointNormal& joint : setup.joint) {
     for (std::size_t k = 0; k < joint.inputs.size(); ++k) {
       if (joint.inputs[k] == input) joint.mean[k] = value;
@@ -30,9 +40,14 @@ std::vector<double> values_between(double low, double high) {
   return values;
 }
 
-// The quantity less its target for each value of the input.
-std::vector<double> residuals(const Equation& equation, const solver::SweepSetup& setup,
-                              const std::vector<double>& values) {
+// The quantity less its target for a value of the input, and how the trajectory ended.
+struct Residual {
+  double left;
+  std::uint32_t outcome;
+};
+
+std::vector<Residual> residuals(const Equation& equation, const solver::SweepSetup& setup,
+                                const std::vector<double>& values) {
   solver::SweepSetup batch = nominal(setup);
   batch.precision = soa::Precision::float64;
   for (const auto& [input, value] : equation.with) {
@@ -43,25 +58,53 @@ std::vector<double> residuals(const Equation& equation, const solver::SweepSetup
   axis.values = values;
   const solver::Sweep sweep(std::move(batch));
   const solver::SweepRows rows = sweep.run(0, values.size(), {solver::widest_isa(), 1, 1});
+  const auto is_outcome = [](const soa::Field& field) { return field.name == "outcome"; };
+  const auto outcome = std::ranges::find_if(sweep.fields(), is_outcome) - sweep.fields().begin();
+  const std::uint32_t* ended = rows.table.column<std::uint32_t>(static_cast<std::size_t>(outcome));
   const double* column = rows.table.column<double>(equation.column);
-  std::vector<double> left;
+  std::vector<Residual> residual;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    left.push_back((column ? column[i] : rows.table.uniform(equation.column)) - equation.target);
+    const double value = column ? column[i] : rows.table.uniform(equation.column);
+    const bool counts = !equation.outcome || ended[i] == *equation.outcome;
+    residual.push_back(
+        {counts ? value - equation.target : std::numeric_limits<double>::quiet_NaN(), ended[i]});
   }
-  return left;
+  return residual;
 }
 
-// The part of the bracket over which the residual changes its sign.
-std::optional<std::size_t> crossing(const std::vector<double>& residual, bool last) {
+bool changes_sign(const Residual& a, const Residual& b) {
+  return (a.left <= 0 && b.left >= 0) || (a.left >= 0 && b.left <= 0);
+}
+
+// The part of the bracket over which the residual changes its sign, between trajectories that end
+// alike: one that comes down early is at the ground, whatever it was to reach.
+std::optional<std::size_t> crossing(const std::vector<Residual>& residual, bool last) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i + 1 < residual.size(); ++i) {
-    const bool passes =
-        (residual[i] <= 0 && residual[i + 1] >= 0) || (residual[i] >= 0 && residual[i + 1] <= 0);
-    if (!passes) continue;
+    if (residual[i].outcome != residual[i + 1].outcome) continue;
+    if (!changes_sign(residual[i], residual[i + 1])) continue;
     found = i;
     if (!last) break;
   }
   return found;
+}
+
+// Trajectories that end at the target whatever the input is, such as on the ground: several values
+// in a row that bring the quantity there, or a change of sign that is one of how they end.
+bool is_pinned(const std::vector<Residual>& residual) {
+  double largest = 0;
+  for (const Residual& r : residual) {
+    if (std::isfinite(r.left)) largest = std::max(largest, std::abs(r.left));
+  }
+  const auto there = [&](const Residual& r) { return std::abs(r.left) <= 1e-11 * largest; };
+  for (std::size_t i = 0; i + 1 < residual.size(); ++i) {
+    const bool alike = residual[i].outcome == residual[i + 1].outcome;
+    if (alike ? there(residual[i]) && there(residual[i + 1])
+              : changes_sign(residual[i], residual[i + 1])) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::optional<Unsolved> solve_one(Equation& equation, const solver::SweepSetup& setup) {
@@ -69,14 +112,16 @@ std::optional<Unsolved> solve_one(Equation& equation, const solver::SweepSetup& 
   double high = equation.between[1];
   for (int round = 0;; ++round) {
     const std::vector<double> values = values_between(low, high);
-    const std::vector<double> residual = residuals(equation, setup, values);
+    const std::vector<Residual> residual = residuals(equation, setup, values);
+    if (round == 0 && is_pinned(residual)) return Unsolved{&equation, 0, 0, true};
     const auto part = crossing(residual, equation.last);
     if (!part && round == 0) {
       Unsolved unsolved{&equation, std::numeric_limits<double>::infinity(),
-                        -std::numeric_limits<double>::infinity()};
-      for (const double left : residual) {
-        unsolved.least = std::min(unsolved.least, left + equation.target);
-        unsolved.greatest = std::max(unsolved.greatest, left + equation.target);
+                        -std::numeric_limits<double>::infinity(), false};
+      for (const Residual& r : residual) {
+        if (std::isnan(r.left)) continue;
+        unsolved.least = std::min(unsolved.least, r.left + equation.target);
+        unsolved.greatest = std::max(unsolved.greatest, r.left + equation.target);
       }
       return unsolved;
     }
@@ -85,11 +130,13 @@ std::optional<Unsolved> solve_one(Equation& equation, const solver::SweepSetup& 
       equation.value = 0.5 * (low + high);
       return std::nullopt;
     }
-    const bool nearer_low = std::abs(residual[*part]) <= std::abs(residual[*part + 1]);
+    const double below = residual[*part].left;
+    const double above = residual[*part + 1].left;
+    const bool nearer_low = std::abs(below) <= std::abs(above);
     equation.value = nearer_low ? values[*part] : values[*part + 1];
     low = values[*part];
     high = values[*part + 1];
-    if (residual[*part] == 0 || residual[*part + 1] == 0) return std::nullopt;
+    if (below == 0 || above == 0) return std::nullopt;
     if (std::nextafter(low, high) >= high || round == 12) return std::nullopt;
   }
 }

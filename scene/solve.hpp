@@ -20,7 +20,8 @@ struct Equation {
   std::array<double, 2> between{};
   std::size_t column = 0;  ///< of Sweep::fields()
   double target = 0;
-  bool last = false;  ///< of several roots
+  bool last = false;                     ///< of several roots
+  std::optional<std::uint32_t> outcome;  ///< trajectories that end otherwise do not count
   std::vector<std::pair<std::size_t, double>> with;
   double value = 0;  ///< the root
 };
@@ -29,6 +30,7 @@ struct Unsolved {
   const Equation* equation;
   double least;  ///< that the quantity comes to
   double greatest;
+  bool pinned;  ///< it is at its target for many values
 };
 
 /// Solves the equations with all inputs at their nominal values and puts the roots into the setup,

@@ -108,7 +108,9 @@ const Section<IntegrationKeys>& integration_section() {
                    {"heun", Method::heun, "order 2, the improved Euler method"},
                    {"runge_kutta_4", Method::runge_kutta_4, "order 4"},
                    {"tsitouras_5", Method::tsitouras_5, "order 5, knows its error"},
-                   {"dormand_prince_5", Method::dormand_prince_5, "order 5, knows its error"}}),
+                   {"dormand_prince_5", Method::dormand_prince_5, "order 5, knows its error"},
+                   {"extrapolation_8", Method::extrapolation_8,
+                    "order 8, knows its error: for tolerances below 1e-9"}}),
           of.key("step", "s", &IntegrationKeys::step,
                  "every step; with tolerances the first one tried", positive),
           of.key("absolute_tolerance", "", &IntegrationKeys::absolute_tolerance,
@@ -205,6 +207,9 @@ const Section<SolveKeys>& solve_section() {
           of.key("quantity", "", &SolveKeys::quantity, "the column that it brings to a value")
               .must(),
           of.key("equals", "", &SolveKeys::equals, "that value").otherwise("`0`"),
+          of.key("outcome", "", &SolveKeys::outcome,
+                 "trajectories that end otherwise do not count, such as those that fall short")
+              .otherwise("all count"),
           of.word("root", &SolveKeys::root, "which, where there are several",
                   {{"first", WhichRoot::first, "the lowest value of the input"},
                    {"last", WhichRoot::last, "the highest"}}),

@@ -31,6 +31,7 @@ struct SolveKeys {
   Later between;
   std::string quantity;
   Later equals;
+  std::string outcome;
   WhichRoot root = WhichRoot::first;
   Later with;
 };

@@ -38,12 +38,14 @@ enum class Method {
   heun,
   runge_kutta_4,
   tsitouras_5,
-  dormand_prince_5
+  dormand_prince_5,
+  extrapolation_8  ///< for tight tolerances
 };
 
 /// Whether the method knows the error of a step.
 constexpr bool has_embedded(Method method) {
-  return method == Method::tsitouras_5 || method == Method::dormand_prince_5;
+  return method == Method::tsitouras_5 || method == Method::dormand_prince_5 ||
+         method == Method::extrapolation_8;
 }
 
 /// Levels of a quantity at which the state of every row is sampled when it first rises to them.

@@ -21,6 +21,11 @@ W level_quantity(const IntegratePass<T>& pass, W time, const std::array<W, N>& y
 }
 
 template <class T>
+bool is_adaptive(const IntegratePass<T>& pass) {
+  return pass.integration.absolute_tolerance > 0 || pass.integration.relative_tolerance > 0;
+}
+
+template <class T>
 bool is_watched(const IntegratePass<T>& pass) {
   return (pass.stop_at | pass.record) != 0 || pass.samples.count != 0;
 }
@@ -30,10 +35,11 @@ bool is_watched(const IntegratePass<T>& pass) {
 
 /// Fixed steps. Time is n steps, never a sum; the last step ends at the end. `watched`: there are
 /// events or samples to look for.
-template <class W, class M, class Method, bool watched>
-SALVO_FLATTEN void integrate_fixed(IntegratePass<typename W::Real>& pass, const M& model) {
+template <class W, class M, bool watched, class Method>
+SALVO_FLATTEN void integrate_fixed(IntegratePass<typename W::Real>& pass, const M& model,
+                                   Method method) {
   LaneRows<W, M> rows(pass);
-  RemarkableSteps<W, M, Method> remarkable(pass, model);
+  RemarkableSteps<W, M, AnyFixedMethod> remarkable(pass, model, {pass.integration.method});
   const W whole(pass.integration.step);
   const W t0(pass.t0);
   const W most(static_cast<typename W::Real>(pass.integration.most_steps));
@@ -52,7 +58,7 @@ SALVO_FLATTEN void integrate_fixed(IntegratePass<typename W::Real>& pass, const 
       ++taken;
       const auto last = steps + W(1) >= total;
       const W h = select(last, end - time, whole);
-      const auto next = Method::result(y, t0 + time, h, rate);
+      const auto next = method.result(y, t0 + time, h, rate);
       const W arrival = select(last, end, (steps + W(1)) * whole);
       ending.lost = !all_finite(next);
       if constexpr (watched) {
@@ -83,15 +89,16 @@ SALVO_FLATTEN void integrate_fixed(IntegratePass<typename W::Real>& pass, const 
   remarkable.work_off();
 }
 
-/// Steps of an embedded pair, each as long as the row's own error allows.
-template <class W, class M, const EmbeddedPair& pair>
-SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, const M& model) {
+/// Steps of a method that knows its error, each as long as the row's own error allows.
+template <class W, class M, class Method>
+SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, const M& model,
+                                      Method method) {
   using T = typename W::Real;
   using Mask = typename W::Mask;
   constexpr std::size_t states = M::state_fields.size();
   using State = std::array<W, states>;
   LaneRows<W, M> rows(pass);
-  RemarkableSteps<W, M, PairMethod<pair>> remarkable(pass, model);
+  RemarkableSteps<W, M, Method> remarkable(pass, model, method);
   const W t0(pass.t0);
   const W absolute(pass.integration.absolute_tolerance);
   const W relative(pass.integration.relative_tolerance);
@@ -116,18 +123,18 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
     std::uint64_t taken = 0;
     do {
       ++taken;
-      integrators::Slopes<W, states> k;
-      k[0] = slope;
       const W remaining = end - time;
       const Mask last = step >= remaining;
       const W h = select(last, remaining, step);
-      const State next = integrators::pair_step<pair>(y, t0 + time, h, k, rate);
+      const typename Method::template Step<W, states, decltype(rate)> trial(method, y, slope,
+                                                                            t0 + time, h, rate);
+      const State& next = trial.end;
 
       // One where the error is all that is tolerated; NaN, from a state that overflowed, fails.
       W error(0);
       for (std::size_t i = 0; i < states; ++i) {
         const W scale = absolute + relative * max(abs(y[i]), abs(next[i]));
-        const W part = abs(integrators::pair_error<pair>(k, h, i)) / scale;
+        const W part = abs(trial.error(i)) / scale;
         error = select((part <= error) | (error != error), error, part);
       }
       const Mask accepted = error <= W(1);
@@ -143,8 +150,8 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
       if (watched) {
         const W reached = level_quantity(pass, select(last, end, time + h), next);
         const Remarks<W> remarks =
-            remarks_on<W>(pass, model, y, slope, next, k[integrators::pair_stages - 1], p,
-                          t0 + time, h, reached, rows.next_level, working & accepted);
+            remarks_on<W>(pass, model, y, slope, next, trial.end_slope(), p, t0 + time, h, reached,
+                          rows.next_level, working & accepted);
         if (any(remarks.any)) {
           remarkable.put_aside(rows, remarks, y, slope, time, h, reached);
           rows.pass_levels(select(accepted, reached, W(-std::numeric_limits<T>::infinity())));
@@ -154,7 +161,7 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
       step = select(accepted & last, step, wanted);
       for (std::size_t i = 0; i < states; ++i) {
         y[i] = select(accepted, next[i], y[i]);
-        slope[i] = select(accepted, k[integrators::pair_stages - 1][i], slope[i]);
+        slope[i] = select(accepted, trial.end_slope()[i], slope[i]);
       }
       // The sum of many steps loses none of their last bits (Kahan).
       const W added = h - compensation;
@@ -184,20 +191,20 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
 }
 
 template <class W, class M, class Method>
-void integrate_fixed_by(IntegratePass<typename W::Real>& pass, const M& model) {
+void integrate_fixed_by(IntegratePass<typename W::Real>& pass, const M& model, Method method) {
   if (is_watched(pass)) {
-    integrate_fixed<W, M, Method, true>(pass, model);
+    integrate_fixed<W, M, true>(pass, model, AnyFixedMethod{pass.integration.method});
   } else {
-    integrate_fixed<W, M, Method, false>(pass, model);
+    integrate_fixed<W, M, false>(pass, model, method);
   }
 }
 
 template <class W, class M, const EmbeddedPair& pair>
 void integrate_by_pair(IntegratePass<typename W::Real>& pass, const M& model) {
-  if (pass.integration.absolute_tolerance > 0 || pass.integration.relative_tolerance > 0) {
-    integrate_adaptive<W, M, pair>(pass, model);
+  if (is_adaptive(pass)) {
+    integrate_adaptive<W, M>(pass, model, PairMethod<pair>());
   } else {
-    integrate_fixed_by<W, M, PairMethod<pair>>(pass, model);
+    integrate_fixed_by<W, M>(pass, model, PairMethod<pair>());
   }
 }
 
@@ -218,20 +225,22 @@ void integrate_batch(IntegratePass<T>& pass) {
   const M model{};
   switch (pass.integration.method) {
     case Method::explicit_euler:
-      return integrate_fixed_by<W, M, PlainMethod<ExplicitEulerFormula>>(pass, model);
+    case Method::heun:
+      return integrate_fixed_by<W, M>(pass, model, AnyFixedMethod{pass.integration.method});
     case Method::semi_implicit_euler:
       if constexpr (of_positions<M>()) {
-        integrate_fixed_by<W, M, PlainMethod<SemiImplicitEulerFormula>>(pass, model);
+        integrate_fixed_by<W, M>(pass, model, AnyFixedMethod{pass.integration.method});
       }
       return;
-    case Method::heun:
-      return integrate_fixed_by<W, M, PlainMethod<HeunFormula>>(pass, model);
     case Method::runge_kutta_4:
-      return integrate_fixed_by<W, M, PlainMethod<RungeKutta4Formula>>(pass, model);
+      return integrate_fixed_by<W, M>(pass, model, RungeKutta4());
     case Method::tsitouras_5:
       return integrate_by_pair<W, M, integrators::tsitouras_5>(pass, model);
     case Method::dormand_prince_5:
       return integrate_by_pair<W, M, integrators::dormand_prince_5>(pass, model);
+    case Method::extrapolation_8:
+      if (is_adaptive(pass)) return integrate_adaptive<W, M>(pass, model, Extrapolation());
+      return integrate_fixed_by<W, M>(pass, model, AnyFixedMethod{pass.integration.method});
   }
 }
 

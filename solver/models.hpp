@@ -5,9 +5,13 @@
 
 #include "solver/batch_kernel.hpp"
 
+SALVO_DECLARE_MODEL(ball)
+SALVO_DECLARE_MODEL(boat)
+SALVO_DECLARE_MODEL(cannon)
 SALVO_DECLARE_MODEL(harmonic_oscillator)
 SALVO_DECLARE_MODEL(lorenz)
 SALVO_DECLARE_MODEL(projectile)
+SALVO_DECLARE_MODEL(rocket)
 SALVO_DECLARE_MODEL(shot_in_air)
 
 namespace salvo::solver {

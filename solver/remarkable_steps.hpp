@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "integrators/crossing.hpp"
 #include "kernels/dual.hpp"
@@ -51,6 +52,31 @@ integrators::QuantityOverStep<W> quantity_over(const M& model, std::size_t event
   return {first.value, first.rate * h, last.value, last.rate * h};
 }
 
+/// Where the event's quantity comes through zero, for lanes in which the model accepts the place: a
+/// model with `accepts` has events that need more than their quantity's zero, such as the face of a
+/// box. The place and state are those of the cubics through the ends of the step.
+template <class W, class M, std::size_t N, std::size_t P>
+integrators::Bracket<W> bracket_of(const M& model, std::size_t event,
+                                   const integrators::QuantityOverStep<W>& q,
+                                   const std::array<W, N>& start,
+                                   const std::array<W, N>& start_slope, const std::array<W, N>& end,
+                                   const std::array<W, N>& end_slope, const std::array<W, P>& p,
+                                   W h) {
+  const models::Direction way = M::events[event].direction;
+  auto bracket =
+      first_bracket(q, way != models::Direction::rising, way != models::Direction::falling);
+  if constexpr (requires { model.accepts(event, start, p); }) {
+    if (any(bracket.found)) {
+      const W s = zero_in(q, bracket);
+      const auto there = kernels::array_of<N>([&](std::size_t i) {
+        return hermite(start[i], h * start_slope[i], end[i], h * end_slope[i], s);
+      });
+      bracket.found = bracket.found & model.accepts(event, there, p);
+    }
+  }
+  return bracket;
+}
+
 /// What happens to the lanes within a step.
 template <class W>
 struct Remarks {
@@ -73,9 +99,7 @@ Remarks<W> remarks_on(const IntegratePass<T>& pass, const M& model, const std::a
       const auto q = quantity_over<W>(model, e, start, start_slope, end, end_slope, p, t, h);
       const auto near = of & may_cross(q);
       if (!any(near)) continue;
-      const models::Direction way = M::events[e].direction;
-      const auto bracket =
-          first_bracket(q, way != models::Direction::rising, way != models::Direction::falling);
+      const auto bracket = bracket_of(model, e, q, start, start_slope, end, end_slope, p, h);
       remarks.any = remarks.any | (near & (bracket.found | bracket.graze));
       if (has(pass.stop_at, e)) remarks.stops = remarks.stops | (near & bracket.found);
     }
@@ -84,7 +108,7 @@ Remarks<W> remarks_on(const IntegratePass<T>& pass, const M& model, const std::a
   return remarks;
 }
 
-/// Method is a PairMethod or a PlainMethod.
+/// Method is one of solver/step_method.hpp.
 template <class W, class M, class Method>
 class RemarkableSteps {
  public:
@@ -94,7 +118,8 @@ class RemarkableSteps {
   static constexpr std::size_t parameters = M::parameter_fields.size();
   using State = std::array<W, states>;
 
-  RemarkableSteps(IntegratePass<T>& pass, const M& model) : pass_(pass), model_(model) {
+  RemarkableSteps(IntegratePass<T>& pass, const M& model, Method method)
+      : pass_(pass), model_(model), method_(method) {
     // Lanes without a step compute on with harmless values.
     for (auto& column : state_) std::fill_n(column, W::width, T(0));
     for (auto& column : slope_) std::fill_n(column, W::width, T(0));
@@ -142,7 +167,8 @@ class RemarkableSteps {
         kernels::array_of<parameters>([&](std::size_t i) { return W::load(parameter_[i]); });
     const W time = W::load(time_);
     const Context c{y, p, W(pass_.t0) + time, W::load(h_)};
-    const Step step(y, slope, c.t, c.h, c.rate(model_));
+    const Rate rate = c.rate(model_);
+    const Step step(method_, y, slope, c.t, c.h, rate);
     W place(1);
     State end = step.end;
     if constexpr (!events_of<M>.empty()) {
@@ -159,25 +185,30 @@ class RemarkableSteps {
 
  private:
   using Column = T[W::width];
-  using Step = typename Method::template Step<W, states>;
+  // Out of line: what is rare need not be fast, and would be most of the code.
+  struct Rate {
+    const M& model;
+    const std::array<W, parameters>& p;
+    [[gnu::noinline]] State operator()(W t, const State& s) const { return model.rate(t, s, p); }
+  };
+  using Step = typename Method::template Step<W, states, Rate>;
 
   struct Context {
     State y;
     std::array<W, parameters> p;
     W t;
     W h;
-    auto rate(const M& model) const {
-      return [this, &model](W at, const State& s) { return model.rate(at, s, p); };
-    }
+    Rate rate(const M& model) const { return {model, p}; }
   };
 
   auto over(const Context& c, const Step& step, std::size_t e) const {
     return quantity_over<W>(model_, e, step.start, step.start_slope(), step.end, step.end_slope(),
                             c.p, c.t, c.h);
   }
-  static auto bracket_of(const integrators::QuantityOverStep<W>& q, std::size_t e) {
-    const models::Direction way = M::events[e].direction;
-    return first_bracket(q, way != models::Direction::rising, way != models::Direction::falling);
+  auto bracket(const Context& c, const Step& step, const integrators::QuantityOverStep<W>& q,
+               std::size_t e) const {
+    return bracket_of(model_, e, q, step.start, step.start_slope(), step.end, step.end_slope(), c.p,
+                      c.h);
   }
 
   // Where the event's quantity is zero: on the cubic, then on the solution within the step, which
@@ -188,15 +219,15 @@ class RemarkableSteps {
   };
   Found find(const Context& c, const Step& step, std::size_t e) const {
     const auto q = over(c, step, e);
-    const auto bracket = bracket_of(q, e);
-    if (!any(bracket.found)) return {};
-    W s = zero_in(q, bracket);
+    const auto here = bracket(c, step, q, e);
+    if (!any(here.found)) return {};
+    W s = zero_in(q, here);
     const W slope = q.slope(s);
     for (int round = 0; round < 5; ++round) {
       const W value = model_.quantity(e, c.t + c.h * s, step.at(s), c.p);
       s = select(slope == W(0), s, clamp(s - value / slope, W(0), W(1)));
     }
-    return {bracket.found, s};
+    return {here.found, s};
   }
 
   // The state there by a step of its own, which is of the method's order, and the place again from
@@ -208,7 +239,7 @@ class RemarkableSteps {
         kernels::array_of<parameters>([&](std::size_t i) { return D(c.p[i], W(0)); });
     for (int round = 0; round < 2; ++round) {
       const W part = c.h * place;
-      const State there = Method::result(c.y, c.t, part, rate);
+      const State there = method_.result(c.y, c.t, part, rate);
       const State slope = rate(c.t + part, there);
       const D q = model_.quantity(
           e, D(c.t + part, W(1)),
@@ -218,7 +249,7 @@ class RemarkableSteps {
       const Mask good = which & (better >= W(0)) & (better <= W(1));
       place = select(good, better, place);
     }
-    return Method::result(c.y, c.t, c.h * place, rate);
+    return method_.result(c.y, c.t, c.h * place, rate);
   }
 
   // The earliest of the events that end a row.
@@ -248,11 +279,11 @@ class RemarkableSteps {
 
   void note_graze(const Context& c, const Step& step, std::size_t e, W end_place) {
     const auto q = over(c, step, e);
-    const auto bracket = bracket_of(q, e);
-    if (!any(bracket.graze)) return;
+    const auto here = bracket(c, step, q, e);
+    if (!any(here.graze)) return;
     const W value =
-        model_.quantity(e, c.t + c.h * bracket.graze_place, step.at(bracket.graze_place), c.p);
-    const Flags<W> grazes(bracket.graze & (bracket.graze_place <= end_place) &
+        model_.quantity(e, c.t + c.h * here.graze_place, step.at(here.graze_place), c.p);
+    const Flags<W> grazes(here.graze & (here.graze_place <= end_place) &
                           (abs(value) <= q.scale() * W(integrators::graze_depth)));
     for (std::size_t i = 0; i < count_; ++i) {
       if (grazes[i]) pass_.grazes[row_[i]] |= std::uint32_t{1} << e;
@@ -362,6 +393,7 @@ class RemarkableSteps {
 
   IntegratePass<T>& pass_;
   const M& model_;
+  const Method method_;
   std::size_t count_ = 0;
   std::size_t row_[W::width];
   std::uint8_t stops_[W::width];

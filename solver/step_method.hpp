@@ -1,36 +1,48 @@
-// A step of each method in one form: the result, the slopes at both ends, and the solution within.
-// The embedded pairs know it to order 4; for the others it is the cubic through both ends.
+// A step of each method in one form: the result, its error where the method knows it, the slopes at
+// both ends, and the solution within: to order 4 for the embedded pairs, by a step of its own for
+// the others.
 #pragma once
 
 #include <array>
 #include <cstddef>
 
 #include "integrators/embedded_pair.hpp"
+#include "integrators/extrapolation.hpp"
 #include "integrators/runge_kutta.hpp"
 #include "kernels/array.hpp"
+#include "solver/batch.hpp"
 
 namespace salvo::solver {
 inline namespace SALVO_ISA {
 
 using integrators::EmbeddedPair;
 
+/// The cubic through values and slopes (over the whole step) at both ends, at a part s of the step.
+template <class W>
+W hermite(W start, W start_slope, W end, W end_slope, W s) {
+  const W rest = W(1) - s;
+  const W chord = end - start;
+  return start + s * (chord + rest * (rest * (start_slope - chord) - s * (end_slope - chord)));
+}
+
 template <const EmbeddedPair& pair>
 struct PairMethod {
   template <class W, std::size_t N, class Rate>
-  static std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) {
+  std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) const {
     integrators::Slopes<W, N> k;
     k[0] = rate(t, y);
     return integrators::pair_result<pair>(y, t, h, k, rate);
   }
 
-  template <class W, std::size_t N>
+  template <class W, std::size_t N, class Rate>
   struct Step {
-    template <class Rate>
-    Step(const std::array<W, N>& y, const std::array<W, N>& slope, W t, W step, const Rate& rate)
+    Step(const PairMethod&, const std::array<W, N>& y, const std::array<W, N>& slope, W t, W step,
+         const Rate& rate)
         : start(y), h(step) {
       k[0] = slope;
       end = integrators::pair_step<pair>(y, t, h, k, rate);
     }
+    W error(std::size_t i) const { return integrators::pair_error<pair>(k, h, i); }
     const std::array<W, N>& start_slope() const { return k[0]; }
     const std::array<W, N>& end_slope() const { return k[integrators::pair_stages - 1]; }
     std::array<W, N> at(W s) const { return integrators::pair_dense<pair>(start, h, s, k); }
@@ -42,75 +54,119 @@ struct PairMethod {
   };
 };
 
-/// `Formula::result(y, t, h, rate)` is the method.
-template <class Formula>
-struct PlainMethod : Formula {
-  template <class W, std::size_t N>
-  struct Step {
-    template <class Rate>
-    Step(const std::array<W, N>& y, const std::array<W, N>& slope, W t, W step, const Rate& rate)
-        : start(y), h(step), start_slope_(slope), end(Formula::result(y, t, step, rate)) {
-      end_slope_ = rate(t + h, end);
-    }
-    const std::array<W, N>& start_slope() const { return start_slope_; }
-    const std::array<W, N>& end_slope() const { return end_slope_; }
-    std::array<W, N> at(W s) const {
-      const W rest = W(1) - s;
-      return kernels::array_of<N>([&](std::size_t i) {
-        const W chord = end[i] - start[i];
-        const W bow = rest * (h * start_slope_[i] - chord) - s * (h * end_slope_[i] - chord);
-        return start[i] + s * (chord + rest * bow);
-      });
-    }
-
-    std::array<W, N> start;
-    W h;
-    std::array<W, N> start_slope_;
-    std::array<W, N> end;
-    std::array<W, N> end_slope_;
-  };
-};
-
-template <class W, std::size_t N>
-std::array<W, N> moved(const std::array<W, N>& y, const std::array<W, N>& slope, W by) {
-  return kernels::array_of<N>([&](std::size_t i) { return y[i] + slope[i] * by; });
-}
-
-struct ExplicitEulerFormula {
+struct RungeKutta4 {
   template <class W, std::size_t N, class Rate>
-  static std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) {
-    return moved(y, rate(t, y), h);
-  }
-};
-
-/// Of positions and then their velocities: the positions move with the new velocities.
-struct SemiImplicitEulerFormula {
-  template <class W, std::size_t N, class Rate>
-  static std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) {
-    constexpr std::size_t half = N / 2;
-    const std::array<W, N> end = moved(y, rate(t, y), h);
-    return kernels::array_of<N>(
-        [&](std::size_t i) { return i < half ? y[i] + end[(i + half) % N] * h : end[i]; });
-  }
-};
-
-/// The improved Euler method: the mean of the slopes at both ends.
-struct HeunFormula {
-  template <class W, std::size_t N, class Rate>
-  static std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) {
-    const std::array<W, N> first = rate(t, y);
-    const std::array<W, N> second = rate(t + h, moved(y, first, h));
-    const W half = h * W(0.5);
-    return kernels::array_of<N>(
-        [&](std::size_t i) { return y[i] + (first[i] + second[i]) * half; });
-  }
-};
-
-struct RungeKutta4Formula {
-  template <class W, std::size_t N, class Rate>
-  static std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) {
+  std::array<W, N> result(const std::array<W, N>& y, W t, W h, const Rate& rate) const {
     return integrators::runge_kutta_4(y, t, h, rate);
   }
+};
+
+/// The method is chosen when it runs: compiled once for all of them.
+struct AnyFixedMethod {
+  Method method;
+
+  template <class W, std::size_t N, class Rate>
+  [[gnu::noinline]] std::array<W, N> result(const std::array<W, N>& y, W t, W h,
+                                            const Rate& rate) const {
+    const auto moved = [&](const std::array<W, N>& slope) {
+      return kernels::array_of<N>([&](std::size_t i) { return y[i] + slope[i] * h; });
+    };
+    switch (method) {
+      case Method::explicit_euler:
+        return moved(rate(t, y));
+      case Method::semi_implicit_euler: {
+        // The positions move with the new velocities.
+        constexpr std::size_t half = N / 2;
+        const std::array<W, N> end = moved(rate(t, y));
+        return kernels::array_of<N>(
+            [&](std::size_t i) { return i < half ? y[i] + end[(i + half) % N] * h : end[i]; });
+      }
+      case Method::heun: {
+        const std::array<W, N> first = rate(t, y);
+        const std::array<W, N> second = rate(t + h, moved(first));
+        const W half = h * W(0.5);
+        return kernels::array_of<N>(
+            [&](std::size_t i) { return y[i] + (first[i] + second[i]) * half; });
+      }
+      case Method::extrapolation_8:
+        return integrators::extrapolation_8(y, rate(t, y), t, h, rate).result;
+      case Method::runge_kutta_4:
+        break;
+      case Method::tsitouras_5:
+        return PairMethod<integrators::tsitouras_5>().result(y, t, h, rate);
+      case Method::dormand_prince_5:
+        return PairMethod<integrators::dormand_prince_5>().result(y, t, h, rate);
+    }
+    return RungeKutta4().result(y, t, h, rate);
+  }
+
+  template <class W, std::size_t N, class Rate>
+  struct Step;
+};
+
+/// A method whose solution within a step is a shorter step.
+template <class Method, class W, std::size_t N, class Rate>
+class PlainStep {
+ public:
+  PlainStep(const Method& method, const std::array<W, N>& y, const std::array<W, N>& slope, W t,
+            W step, const Rate& rate)
+      : start(y), h(step), method_(method), rate_(rate), t_(t), start_slope_(slope) {}
+  const std::array<W, N>& start_slope() const { return start_slope_; }
+  const std::array<W, N>& end_slope() const { return end_slope_; }
+  std::array<W, N> at(W s) const { return method_.result(start, t_, h * s, rate_); }
+
+  std::array<W, N> start;
+  std::array<W, N> end;
+  W h;
+
+ protected:
+  void end_at(const std::array<W, N>& result) {
+    end = result;
+    end_slope_ = rate_(t_ + h, end);
+  }
+
+ private:
+  const Method& method_;
+  const Rate& rate_;
+  W t_;
+  std::array<W, N> start_slope_;
+  std::array<W, N> end_slope_;
+};
+
+template <class W, std::size_t N, class Rate>
+struct AnyFixedMethod::Step : PlainStep<AnyFixedMethod, W, N, Rate> {
+  Step(const AnyFixedMethod& method, const std::array<W, N>& y, const std::array<W, N>& slope, W t,
+       W step, const Rate& rate)
+      : PlainStep<AnyFixedMethod, W, N, Rate>(method, y, slope, t, step, rate) {
+    this->end_at(method.result(y, t, step, rate));
+  }
+};
+
+/// Of order 8.
+struct Extrapolation {
+  template <class W, std::size_t N, class Rate>
+  [[gnu::noinline]] std::array<W, N> result(const std::array<W, N>& y, W t, W h,
+                                            const Rate& rate) const {
+    return integrators::extrapolation_8(y, rate(t, y), t, h, rate).result;
+  }
+
+  template <class W, std::size_t N, class Rate>
+  struct Step;
+};
+
+template <class W, std::size_t N, class Rate>
+struct Extrapolation::Step : PlainStep<Extrapolation, W, N, Rate> {
+  Step(const Extrapolation& method, const std::array<W, N>& y, const std::array<W, N>& slope, W t,
+       W step, const Rate& rate)
+      : PlainStep<Extrapolation, W, N, Rate>(method, y, slope, t, step, rate) {
+    const auto extrapolated = integrators::extrapolation_8(y, slope, t, step, rate);
+    error_ = extrapolated.error;
+    this->end_at(extrapolated.result);
+  }
+  W error(std::size_t i) const { return error_[i]; }
+
+ private:
+  std::array<W, N> error_;
 };
 
 }  // namespace SALVO_ISA

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "models/drag_functions.hpp"
@@ -172,6 +173,51 @@ TEST(Projectile, FliesAsAFinerIntegrationInTheExactAtmosphere) {
     EXPECT_NEAR(batch.column<double>("x")[i], 2000, 1e-5);
     EXPECT_NEAR(batch.column<double>("y")[i], y, 1e-3) << "the table, the tolerance or the method";
     EXPECT_NEAR(batch.column<double>("z")[i], z, 1e-3);
+  }
+}
+
+// How far the impact of 10,000 random shots is from that of a tolerance of 1e-12 by another method,
+// as a multiple of what a step's error may be there: errors of some forty steps add up, and what a
+// kink of a drag function does to a step across it is only partly seen.
+TEST(Projectile, TheImpactsErrorIsAFewTimesThatOfAStep) {
+  constexpr std::size_t rows = 10'000;
+  const auto draw = [](std::size_t row, unsigned n) {
+    return static_cast<double>((row * 2654435761U + n * 40503U * (row + 7)) % 10007) / 10007;
+  };
+  const auto shots = [&] {
+    Batch batch(&projectile_kernels, Precision::float64, rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double speed = 600 + 400 * draw(i, 1);
+      const double elevation = 0.01 + 0.03 * draw(i, 2);
+      batch.column<double>("vx")[i] = speed * std::cos(elevation);
+      batch.column<double>("vy")[i] = speed * std::sin(elevation);
+      batch.column<double>("wind_z")[i] = 10 * draw(i, 3) - 5;
+      batch.column<double>("altitude")[i] = 2000 * draw(i, 4);
+      batch.column<double>("drag_factor")[i] = M_PI / 8 / (100 + 150 * draw(i, 5));
+      batch.column<double>("drag_function")[i] = static_cast<double>(i % 7);
+      batch.column<double>("range")[i] = 1000;
+    }
+    return batch;
+  };
+  Integration fine = to(1e-12);
+  fine.method = solver::Method::extrapolation_8;
+  Batch exact = shots();
+  exact.integrate(std::vector(rows, 60.0), fine);
+  for (const double tolerance : {1e-6, 1e-7, 1e-8}) {
+    Batch batch = shots();
+    const Integrated result = batch.integrate(std::vector(rows, 60.0), to(tolerance));
+    double worst = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      ASSERT_EQ(result.outcome[i], Outcome::event);
+      const auto off = [&](const char* field) {
+        return batch.column<double>(field)[i] - exact.column<double>(field)[i];
+      };
+      worst = std::max(worst, std::hypot(off("x"), off("y"), off("z")));
+    }
+    const double times = worst / (tolerance * (1 + 1000));
+    std::printf("tolerance %g: worst impact %.3g m, %.2g times that of a step\n", tolerance, worst,
+                times);
+    EXPECT_LT(times, 20) << tolerance;
   }
 }
 

@@ -331,6 +331,70 @@ equals = "2 km"
   EXPECT_NE(mistake.find("it comes to 143.902"), std::string::npos) << mistake;
 }
 
+const std::string aimed = R"([projectile]
+speed = 800
+ground = GROUND
+range = 300
+elevation = ELEVATION
+[integration]
+step = 0.05
+absolute_tolerance = 1e-9
+relative_tolerance = 1e-9
+time_limit = 10
+[[solve]]
+input = "elevation"
+between = ["0 deg", "5 deg"]
+quantity = "end.y"
+)";
+std::string aimed_with(std::string ground, const std::string& elevation, const std::string& more) {
+  std::string text = aimed;
+  text.replace(text.find("GROUND"), 6, ground);
+  text.replace(text.find("ELEVATION"), 9, elevation);
+  return text + more;
+}
+
+TEST(Solve, ADistributionMovesAsAWhole) {
+  const auto variation = [](const std::string& elevation) {
+    return of(parse_sweep(aimed_with("-1e9", elevation, ""), "s"), "elevation");
+  };
+  const double root = variation("0").a;
+  EXPECT_GT(root, 1e-3);
+  const solver::Variation uniform = variation("{ uniform = [-0.001, 0.001] }");
+  EXPECT_NEAR(uniform.a, root - 0.001, 1e-15);
+  EXPECT_NEAR(uniform.b, root + 0.001, 1e-15);
+  const solver::Variation truncated =
+      variation("{ normal = [0.01, 0.001], within = [0.008, 0.011] }");
+  EXPECT_NEAR(truncated.a, root, 1e-15);
+  EXPECT_NEAR(truncated.lowest, root - 0.002, 1e-15);
+  EXPECT_NEAR(truncated.highest, root + 0.001, 1e-15);
+}
+
+// A shot that falls short ends at y = 0 by the ground, which is no answer to end.y = 0.
+TEST(Solve, WhatEndsAtTheTargetForAnotherReasonIsRefused) {
+  EXPECT_NE(mistakes_of(aimed_with("0", "0", "")).find("because trajectories end there"),
+            std::string::npos);
+  const std::string far = "with = { ground = -1e6 }\n";
+  EXPECT_EQ(of(parse_sweep(aimed_with("0", "0", far), "s"), "elevation").a,
+            of(parse_sweep(aimed_with("-1e9", "0", ""), "s"), "elevation").a);
+  EXPECT_EQ(of(parse_sweep(aimed_with("-1e9", "0", "outcome = \"range\"\n"), "s"), "elevation").a,
+            of(parse_sweep(aimed_with("-1e9", "0", ""), "s"), "elevation").a);
+  EXPECT_NE(mistakes_of(aimed_with("-1e9", "0", "outcome = \"ground\"\n")).find("has this outcome"),
+            std::string::npos);
+  EXPECT_NE(
+      mistakes_of(aimed_with("-1e9", "0", "outcome = \"rang\"\n")).find("did you mean \"range\"?"),
+      std::string::npos);
+}
+
+TEST(SweepScene, ADistributionThatComesOutOfTheBoundsIsRefused) {
+  EXPECT_NE(mistake_of_speed("{ normal = [1, 5] }").find("would come out of its bounds"),
+            std::string::npos);
+  EXPECT_EQ(mistake_of_speed("{ normal = [1, 5], within = [0, 9] }"), "no mistake");
+  EXPECT_NE(mistakes_with("[[joint_normal]]\ninputs = [\"altitude\"]\nmean = [0]\ncovariance = "
+                          "[[1e6]]\n")
+                .find("would come out of its bounds"),
+            std::string::npos);
+}
+
 TEST(SweepScene, RowsOfMoreSamplesHaveTheSameDigest) {
   const std::string random = R"([projectile]
 speed = { normal = [800, 1] }
