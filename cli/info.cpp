@@ -224,7 +224,6 @@ ExitStatus info(const Options& options) {
       print_json({{"keys", keys}, {"trajectory_keys", sweep_keys}});
     } else {
       print(scene::key_reference());
-      print("\n## Scenes of trajectories\n\n" + scene::sweep_key_reference());
     }
   } else if (options.inputs.empty()) {
     describe_machine(options);

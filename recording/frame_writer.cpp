@@ -23,7 +23,6 @@ namespace {
 using hdf5::Handle;
 using soa::ParticleField;
 using soa::Precision;
-using soa::Scalar;
 
 constexpr std::span<const soa::Field> fields = soa::particle_fields;
 constexpr auto position = static_cast<std::size_t>(ParticleField::position);

@@ -16,6 +16,7 @@
 #include "scene/document.hpp"
 #include "scene/mistakes.hpp"
 #include "scene/scene_keys.hpp"
+#include "scene/sweep_keys.hpp"
 #include "scene/terrain.hpp"
 #include "scene/units.hpp"
 #include "solver/floating_point_environment.hpp"
@@ -502,7 +503,8 @@ Scene load(const std::string& path, const std::vector<std::string>& overrides) {
 }
 
 std::string key_reference() {
-  return reference(scene_section()) + "\n### Units\n\n" + unit_reference();
+  return reference(scene_section()) + "\n## Scenes of trajectories\n\n" +
+         reference(sweep_section()) + "\n## Units\n\n" + unit_reference();
 }
 
 }  // namespace salvo::scene

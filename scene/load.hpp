@@ -44,7 +44,7 @@ Scene parse(const std::string& text, const std::string& path,
 /// result says what was changed, if anything was.
 Scene scaled_for_verify(const Scene& scene);
 
-/// Every key of a scene, with unit, meaning, default and bounds, as Markdown.
+/// Every key of a scene of either kind, with unit, meaning, default and bounds, as Markdown.
 std::string key_reference();
 
 }  // namespace salvo::scene

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "kernels/lane.hpp"
 #include "scene/csv_table.hpp"
 #include "scene/document.hpp"
 #include "scene/mistakes.hpp"
@@ -23,6 +24,7 @@ namespace salvo::scene {
 namespace {
 
 using solver::Variation;
+using S = kernels::ScalarLane<double>;
 
 constexpr std::size_t most_levels = 100'000;
 constexpr double reach = 8;  // deviations: beyond them lies one value of 10^15
@@ -195,7 +197,7 @@ class SweepCompletion {
         joint.mean.push_back(mean);
         check_reach(field, mean,
                     k < given.covariance.size() && k < given.covariance[k].size()
-                        ? std::sqrt(std::max(given.covariance[k][k], 0.0))
+                        ? sqrt(S(std::max(given.covariance[k][k], 0.0))).value()
                         : 0,
                     fmt::format("{}.mean.{}", path, k));
         keys_.setup.inputs[joint.inputs[k]] = Variation::of(mean);
@@ -569,8 +571,6 @@ AnyScene parse_any(const std::string& text, const std::string& path,
 AnyScene load_any(const std::string& path, const std::vector<std::string>& overrides) {
   return parse_any(read_scene_file(path), path, overrides);
 }
-
-std::string sweep_key_reference() { return reference(sweep_section()); }
 
 solver::Digest row_digest(const SweepScene& scene) {
   const solver::SweepSetup& setup = scene.setup;

@@ -25,7 +25,4 @@ AnyScene parse_any(const std::string& text, const std::string& path,
 SweepScene parse_sweep(const std::string& text, const std::string& path,
                        const std::vector<std::string>& overrides = {});
 
-/// Every key of a scene of trajectories, as Markdown.
-std::string sweep_key_reference();
-
 }  // namespace salvo::scene

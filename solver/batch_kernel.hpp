@@ -137,6 +137,7 @@ void finish_rows(const ColumnPass& pass) {
 }  // namespace SALVO_ISA
 }  // namespace salvo::solver
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a template has none.
 #define SALVO_JOIN_2(A, B) A##_##B
 #define SALVO_JOIN(A, B) SALVO_JOIN_2(A, B)
 
@@ -157,6 +158,8 @@ void finish_rows(const ColumnPass& pass) {
       &salvo::solver::start_rows<MODEL>,                                       \
       &salvo::solver::finish_rows<MODEL>};                                     \
   }
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 #if defined(__aarch64__)
 #define SALVO_DECLARE_MODEL_WIDE(NAME) extern const salvo::solver::BatchKernels NAME##_neon;

@@ -104,8 +104,9 @@ std::vector<double> exact_quantiles(
   }
   for (int shift = 48; shift >= 0; shift -= 16) {
     std::vector<std::uint64_t> prefixes;
+    prefixes.reserve(ranks.size());
     for (const Rank& rank : ranks) prefixes.push_back(rank.prefix);
-    std::sort(prefixes.begin(), prefixes.end());
+    std::stable_sort(prefixes.begin(), prefixes.end());
     prefixes.erase(std::unique(prefixes.begin(), prefixes.end()), prefixes.end());
     std::vector<std::vector<std::uint64_t>> counts(prefixes.size(),
                                                    std::vector<std::uint64_t>(65536));

@@ -21,6 +21,7 @@ constexpr soa::Field whole(std::string_view name, std::string_view meaning) {
 
 std::vector<double*> pointers(std::vector<std::vector<double>>& columns) {
   std::vector<double*> all;
+  all.reserve(columns.size());
   for (std::vector<double>& column : columns) all.push_back(column.data());
   return all;
 }
@@ -190,6 +191,8 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
     for (std::size_t row = begin; row < end; ++row) inputs_of(first + row, in_pointers.data(), row);
     std::vector<const double*> from;
     std::vector<double*> to;
+    from.reserve(in_pointers.size());
+    to.reserve(started_pointers.size());
     for (const double* column : in_pointers) from.push_back(column + begin);
     for (double* column : started_pointers) to.push_back(column + begin);
     kernels.start({end - begin, from.data(), to.data()});
@@ -218,10 +221,12 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
     parallel.for_each(tiles_of(time.size()), [&](std::size_t tile) {
       const std::size_t begin = tile * tile_rows;
       std::vector<const double*> from;
+      from.reserve(of_rows.size() + 1 + state.size());
       for (const auto& column : of_rows) from.push_back(column.data() + begin);
       from.push_back(time.data() + begin);
       for (const auto& column : state) from.push_back(column.data() + begin);
       std::vector<double*> to;
+      to.reserve(out.size());
       for (auto& column : out) to.push_back(column.data() + begin);
       kernels.finish({std::min(tile_rows, time.size() - begin), from.data(), to.data()});
     });

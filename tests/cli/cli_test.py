@@ -64,6 +64,20 @@ LONG = SCENE.replace("count = 1001", "count = 8009").replace("[0.3, 3]", "[0.3, 
 SLOWLY = ["--isa", "scalar", "--threads", "1", "--pass", "1"]
 
 
+# Enough rows for the example of one of them, and of shards.
+TRAJECTORIES = """\
+title = "a sweep"
+[boat]
+thrust = { normal = [20000, 100] }
+[sweep]
+samples = 200_000
+[integration]
+method = "runge_kutta_4"
+step = 0.5
+time_limit = 1
+"""
+
+
 class Case(unittest.TestCase):
     maxDiff = None
 
@@ -195,7 +209,7 @@ class Usage(Case):
                           f"this machine cannot run {lacks} kernels", said)
 
     def test_every_example_of_the_help_runs(self):
-        verbs = ("run", "verify", "validate", "info", "hash", "export")
+        verbs = ("run", "verify", "validate", "info", "hash", "export", "merge")
         texts = [self.salvo("--help").stdout, *(self.salvo(verb, "--help").stdout for verb in verbs)]
         examples = [line[2:].split("   ")[0] for text in texts
                     for line in text.split("examples:\n")[1].split("\n\n")[0].splitlines()]
@@ -208,9 +222,14 @@ class Usage(Case):
                 (folder / "scenes").mkdir(parents=True)
                 (folder / "scenes/explosion.toml").write_text(SCENE.replace("every = 20", "every = 10")
                                                             .replace("steps = 200", "duration = 1"))
+                (folder / "scenes/dispersion.toml").write_text(TRAJECTORIES)
                 command = example.replace("/data", str(folder))
                 if " export " in example:
-                    command = f"salvo run scenes/explosion.toml && {command}"
+                    scene = re.search(r"out/(\w+)", example)[1]
+                    command = f"salvo run scenes/{scene}.toml && {command}"
+                if " merge " in example:
+                    command = "".join(f"salvo run scenes/dispersion.toml --shard {i}/2 --out {folder}/shard{i} && "
+                                      for i in (1, 2)) + command
                 result = subprocess.run(command.replace("salvo ", f"{shlex.quote(SALVO)} "), shell=True, cwd=folder,
                                         text=True, capture_output=True, timeout=300)
                 self.assertEqual(result.returncode, 0, result.stderr)
