@@ -21,10 +21,12 @@ struct Extrapolated {
   std::array<V, N> error;
 };
 
-/// y(t + h) by `substeps` of the modified midpoint rule, smoothed.
+/// y(t + h) by `substeps` of the modified midpoint rule, smoothed. Out of line: with all of its
+/// stages written out a model would take a minute to compile.
 template <class V, std::size_t N, class Rate>
-std::array<V, N> modified_midpoint(const std::array<V, N>& y, const std::array<V, N>& slope, V t,
-                                   V h, int substeps, const Rate& rate) {
+[[gnu::noinline]] std::array<V, N> modified_midpoint(const std::array<V, N>& y,
+                                                     const std::array<V, N>& slope, V t, V h,
+                                                     int substeps, const Rate& rate) {
   const V part = h / V(static_cast<double>(substeps));
   const auto moved = [](const std::array<V, N>& from, const std::array<V, N>& by, V step) {
     return kernels::array_of<N>([&](std::size_t i) { return from[i] + by[i] * step; });
