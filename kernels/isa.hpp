@@ -13,8 +13,10 @@
 #endif
 
 // Marks a function whose packs are to live in registers: all that it calls becomes part of it. Not
-// under sanitizers, whose checks would make it too long to compile.
-#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// under sanitizers, whose checks would make it too long to compile, nor where a build that is not
+// for speed asks (SALVO_NO_FLATTEN).
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
+    !defined(SALVO_NO_FLATTEN)
 #define SALVO_FLATTEN [[gnu::flatten]]
 #else
 #define SALVO_FLATTEN

@@ -21,7 +21,7 @@ leg() {
   scripts/setup.sh $groups
   # The build type None adds no flag of its own: the leg's level, with assertions.
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None "$@" -DSALVO_BUILD_RECORDING=OFF \
-    -DSALVO_BUILD_BENCHMARKS=OFF -DSALVO_BUILD_TESTS=OFF -DSALVO_BUILD_HASH_PROGRAM=ON
+    -DSALVO_BUILD_BENCHMARKS=OFF -DSALVO_BUILD_TESTS=OFF -DSALVO_BUILD_HASH_PROGRAM=ON -DSALVO_FLATTEN_KERNELS=OFF
   cmake --build "$build" --target salvo_hashes
   emulator=$(sed -n 's/^CMAKE_CROSSCOMPILING_EMULATOR:[A-Z]*=//p' "$build/CMakeCache.txt" | tr ';' ' ')
   program=$(find "$build" -name salvo_hashes -type f)
