@@ -1,11 +1,9 @@
-// salvo run, for scenes of trajectories, and salvo merge: rows to files, part by part, and what is
-// told of them all.
+// salvo run, for scenes of trajectories: rows to files, part by part, and what is told of them all.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <future>
-#include <map>
 #include <memory>
 
 #include "cli/interruption.hpp"
@@ -16,11 +14,8 @@
 #include "cli/sweep_verbs.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
-#include "cli/verbs.hpp"
 #include "recording/directory.hpp"
-#include "recording/output_file.hpp"
 #include "recording/sweep_recording.hpp"
-#include "scene/load_sweep.hpp"
 
 namespace salvo::cli {
 
@@ -61,7 +56,8 @@ class SweepRun {
   }
 
   ExitStatus run() {
-    check_free_memory(std::min(sweep_.rows(), Sweep::part_rows));
+    // One part runs while another is written.
+    check_free_memory(std::min(sweep_.rows(), 2 * Sweep::part_rows));
     recording_ = std::make_unique<recording::SweepRecording>(
         directory_, scene_, sweep_,
         recording::SweepOptions{options_.command_line, execution_, options_.resume,
@@ -313,101 +309,6 @@ ExitStatus run_sweep(const Options& options, const scene::SweepScene& scene) {
     throw Failure(ExitStatus::input_output, error.what(),
                   "--out records elsewhere; --force replaces what is there");
   }
-}
-
-ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
-  const Sweep sweep(scene.setup);
-  Progress progress(options.quiet);
-  const solver::Parallel parallel(options.execution().threads);
-  std::vector<PartDigest> parts;
-  for (std::uint64_t first = 0; first < sweep.rows(); first += Sweep::part_rows) {
-    const std::uint64_t count = std::min(Sweep::part_rows, sweep.rows() - first);
-    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash(parallel)});
-    progress.update(static_cast<double>(first + count) / static_cast<double>(sweep.rows()),
-                    [&] { return fmt::format("row {} of {}", first + count, sweep.rows()); });
-    if (!options.json) {
-      progress.clear();
-      print(fmt::format("{}  rows {} to {}\n", to_string(parts.back().hash), first,
-                        first + count - 1));
-      flush_output();
-    }
-  }
-  const std::string total = to_string(recording::sweep_hash(parts));
-  if (options.json) {
-    Json list = Json::array();
-    for (const PartDigest& part : parts) {
-      list.push_back({{"first", part.first}, {"rows", part.rows}, {"hash", to_string(part.hash)}});
-    }
-    print_json({{"status", "done"},
-                {"scene", scene_identity(scene)},
-                {"execution", json_of(options.execution())},
-                {"state_hash", total},
-                {"parts", list}});
-  } else {
-    print(fmt::format("{}  all {} rows\n", total, sweep.rows()));
-  }
-  return ExitStatus::done;
-}
-
-ExitStatus merge(const Options& options) {
-  if (!options.out) throw UsageError("salvo merge needs --out DIR", "where the whole sweep goes");
-  // The parts of all shards, by number; a shard's rows are those of its scene.
-  std::map<std::uint64_t, std::filesystem::path> parts;
-  std::optional<recording::PartInfo> first;
-  for (const std::string& input : options.inputs) {
-    const auto files = recording::list_parts(input);
-    if (files.empty()) {
-      throw Failure(ExitStatus::input_output, fmt::format("{} holds no rows of a sweep", input));
-    }
-    for (const recording::NumberedFile& file : files) {
-      const recording::PartInfo info = recording::read_part_info(file.path);
-      if (!first) first = info;
-      if (!(info.row_digest == first->row_digest)) {
-        throw Failure(ExitStatus::input_output,
-                      fmt::format("{} is of another scene than {}", file.path.string(),
-                                  parts.begin()->second.string()),
-                      fmt::format("their digests are {} and {}", to_string(info.row_digest),
-                                  to_string(first->row_digest)));
-      }
-      const auto [there, added] = parts.emplace(file.number, file.path);
-      if (!added && !(recording::read_part_info(there->second).hash == info.hash)) {
-        throw Failure(ExitStatus::difference,
-                      fmt::format("{} and {} differ", there->second.string(), file.path.string()),
-                      "the same rows have the same bits: one of the machines errs");
-      }
-    }
-  }
-  const scene::SweepScene scene =
-      scene::parse_sweep(first->scene_text, first->scene_path, first->overrides);
-  const Sweep sweep(scene.setup);
-  const std::uint64_t wanted = (sweep.rows() + Sweep::part_rows - 1) / Sweep::part_rows;
-  for (std::uint64_t part = 0; part < wanted; ++part) {
-    if (parts.contains(part)) continue;
-    throw Failure(ExitStatus::input_output,
-                  fmt::format("rows {} to {} are in none of the folders", part * Sweep::part_rows,
-                              std::min(sweep.rows(), (part + 1) * Sweep::part_rows) - 1),
-                  "run the shard that is missing");
-  }
-  recording::ensure_directory(*options.out);
-  if (!options.force) {
-    try {
-      recording::check_ownership(*options.out, scene::row_digest(scene));
-    } catch (const recording::ForeignRecording& error) {
-      throw Failure(ExitStatus::input_output, error.what(),
-                    "--out merges elsewhere; --force replaces what is there");
-    }
-  }
-  for (const auto& [part, path] : parts) {
-    const std::filesystem::path target =
-        *options.out / recording::part_name(static_cast<std::int64_t>(part));
-    if (std::filesystem::exists(target) && std::filesystem::equivalent(path, target)) continue;
-    recording::copy_file(path, target);
-  }
-  // All parts are there: what is left of a run is to look at them.
-  Options rest = options;
-  rest.resume = true;
-  rest.force = false;
-  return SweepRun(rest, scene, *options.out).run();
 }
 
 }  // namespace salvo::cli

@@ -1,4 +1,4 @@
-// salvo verify, info and export, for scenes of trajectories.
+// What salvo hash, verify, info and export do with scenes of trajectories.
 #include "cli/sweep_verbs.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +15,7 @@
 #include "recording/export.hpp"
 #include "recording/output_file.hpp"
 #include "recording/sweep_part.hpp"
+#include "recording/sweep_recording.hpp"
 #include "scene/verify_sweep.hpp"
 #include "scene/words.hpp"
 
@@ -77,6 +78,40 @@ ExitStatus verify_sweep(const Options& options, const scene::SweepScene& scene, 
     flush_output();
   }
   return equal ? ExitStatus::done : ExitStatus::difference;
+}
+
+ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
+  const Sweep sweep(scene.setup);
+  Progress progress(options.quiet);
+  const solver::Parallel parallel(options.execution().threads);
+  std::vector<recording::PartDigest> parts;
+  for (std::uint64_t first = 0; first < sweep.rows(); first += Sweep::part_rows) {
+    const std::uint64_t count = std::min(Sweep::part_rows, sweep.rows() - first);
+    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash(parallel)});
+    progress.update(static_cast<double>(first + count) / static_cast<double>(sweep.rows()),
+                    [&] { return fmt::format("row {} of {}", first + count, sweep.rows()); });
+    if (!options.json) {
+      progress.clear();
+      print(fmt::format("{}  rows {} to {}\n", to_string(parts.back().hash), first,
+                        first + count - 1));
+      flush_output();
+    }
+  }
+  const std::string total = to_string(recording::sweep_hash(parts));
+  if (options.json) {
+    Json list = Json::array();
+    for (const recording::PartDigest& part : parts) {
+      list.push_back({{"first", part.first}, {"rows", part.rows}, {"hash", to_string(part.hash)}});
+    }
+    print_json({{"status", "done"},
+                {"scene", scene_identity(scene)},
+                {"execution", json_of(options.execution())},
+                {"state_hash", total},
+                {"parts", list}});
+  } else {
+    print(fmt::format("{}  all {} rows\n", total, sweep.rows()));
+  }
+  return ExitStatus::done;
 }
 
 void describe_sweep(const Options& options, const scene::SweepScene& scene) {

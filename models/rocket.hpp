@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 
 #include "kernels/forces.hpp"
 #include "models/cubic_place.hpp"
@@ -19,6 +20,21 @@
 #include "soa/field.hpp"
 
 namespace salvo::models {
+
+/// The fields of one stage.
+constexpr std::array<soa::Field, 5> stage_fields(std::string_view propellant,
+                                                 std::string_view structure, std::string_view burn,
+                                                 std::string_view exhaust, std::string_view taper) {
+  using soa::Scalar;
+  return {{
+      {propellant, Scalar::real, 1, "kg", "of the stage", 0, 0, 1e12},
+      {structure, Scalar::real, 1, "kg", "what is dropped with it", 0, 0, 1e12},
+      {burn, Scalar::real, 1, "s", "how long it burns", 0, 0, 1e9},
+      {exhaust, Scalar::real, 1, "m/s", "u", 0, 0, 1e9},
+      {taper, Scalar::real, 1, "", "a", 0, -1, 1},
+  }};
+}
+
 inline namespace SALVO_ISA {
 
 template <class V>
@@ -28,7 +44,7 @@ struct Rocket {
 
   static constexpr auto state_fields = flight_fields;
   static constexpr bool of_positions = true;
-  static constexpr std::array<soa::Field, 22> shared_fields{{
+  static constexpr std::array<soa::Field, 7> body_fields{{
       {"payload", soa::Scalar::real, 1, "kg", "what stays when all stages are dropped", 1, 1e-30,
        1e12},
       {"drag_area", soa::Scalar::real, 1, "m^2", "Cd A", 0, 0, 1e9},
@@ -37,22 +53,11 @@ struct Rocket {
       {"altitude", soa::Scalar::real, 1, "m", "of y = 0 above the sea", 0, -5000, 80000},
       {"ground", soa::Scalar::real, 1, "m", "y at which it comes down", -1e9, -1e9, 1e9},
       {"range", soa::Scalar::real, 1, "m", "distance downrange at which it ends", 1e9, -1e9, 1e9},
-      {"propellant_1", soa::Scalar::real, 1, "kg", "of the first stage", 0, 0, 1e12},
-      {"structure_1", soa::Scalar::real, 1, "kg", "what is dropped with it", 0, 0, 1e12},
-      {"burn_1", soa::Scalar::real, 1, "s", "how long it burns", 0, 0, 1e9},
-      {"exhaust_1", soa::Scalar::real, 1, "m/s", "u", 0, 0, 1e9},
-      {"taper_1", soa::Scalar::real, 1, "", "a", 0, -1, 1},
-      {"propellant_2", soa::Scalar::real, 1, "kg", "of the second stage", 0, 0, 1e12},
-      {"structure_2", soa::Scalar::real, 1, "kg", "what is dropped with it", 0, 0, 1e12},
-      {"burn_2", soa::Scalar::real, 1, "s", "how long it burns", 0, 0, 1e9},
-      {"exhaust_2", soa::Scalar::real, 1, "m/s", "u", 0, 0, 1e9},
-      {"taper_2", soa::Scalar::real, 1, "", "a", 0, -1, 1},
-      {"propellant_3", soa::Scalar::real, 1, "kg", "of the third stage", 0, 0, 1e12},
-      {"structure_3", soa::Scalar::real, 1, "kg", "what is dropped with it", 0, 0, 1e12},
-      {"burn_3", soa::Scalar::real, 1, "s", "how long it burns", 0, 0, 1e9},
-      {"exhaust_3", soa::Scalar::real, 1, "m/s", "u", 0, 0, 1e9},
-      {"taper_3", soa::Scalar::real, 1, "", "a", 0, -1, 1},
   }};
+  static constexpr auto shared_fields =
+      body_fields + stage_fields("propellant_1", "structure_1", "burn_1", "exhaust_1", "taper_1") +
+      stage_fields("propellant_2", "structure_2", "burn_2", "exhaust_2", "taper_2") +
+      stage_fields("propellant_3", "structure_3", "burn_3", "exhaust_3", "taper_3");
   static constexpr std::array<soa::Field, 3> direction_fields{{
       {"direction_x", soa::Scalar::real, 1, "", "of the launch", 0, -1, 1},
       {"direction_y", soa::Scalar::real, 1, "", "of the launch", 1, -1, 1},

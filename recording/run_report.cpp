@@ -78,6 +78,23 @@ Json machine(const solver::Execution& execution) {
           {"system", operating_system()}};
 }
 
+// What every run has.
+template <class Report>
+Json head(const Report& report) {
+  return {{"program", "salvo"},
+          {"status", name(report.status)},
+          {"reason", report.reason},
+          {"command", report.command_line},
+          {"versions", versions()}};
+}
+
+template <class Setup>
+Json scene_of(const scene::SceneText& scene, const solver::Digest& digest, const Setup& setup) {
+  return {{"path", scene.path},          {"title", scene.title},
+          {"digest", to_string(digest)}, {"overrides", scene.overrides},
+          {"seed", setup.seed},          {"precision", scene::name(setup.precision)}};
+}
+
 // Text of the user's that is not UTF-8 is shown as well as can be rather than refused.
 void write(const std::filesystem::path& directory, const Json& json) {
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -91,21 +108,10 @@ std::string_view name(RunStatus status) { return status_names[static_cast<std::s
 void write_run_report(const std::filesystem::path& directory, const scene::Scene& scene,
                       const RunReport& report) {
   const double solved = report.wall_seconds - report.seconds_waited;
-  Json json{
-      {"program", "salvo"},
-      {"status", name(report.status)},
-      {"reason", report.reason},
-      {"command", report.command_line},
-      {"versions", versions()},
-      {"scene",
-       {{"path", scene.path},
-        {"title", scene.title},
-        {"digest", to_string(scene_digest(scene))},
-        {"overrides", scene.overrides},
-        {"seed", scene.setup.seed},
-        {"precision", scene::name(scene.setup.precision)},
-        {"steps", scene.steps},
-        {"dt", scene.setup.dt}}},
+  Json json = head(report);
+  json["scene"] = scene_of(scene, scene_digest(scene), scene.setup);
+  json["scene"].update({{"steps", scene.steps}, {"dt", scene.setup.dt}});
+  json.update(Json{
       {"result", report.last ? to_json(*report.last) : Json()},
       {"removed",
        {{"left_domain", to_json(report.left_domain)}, {"non_finite", to_json(report.non_finite)}}},
@@ -119,7 +125,7 @@ void write_run_report(const std::filesystem::path& directory, const scene::Scene
          solved > 0 ? static_cast<double>(report.particle_steps) / solved : 0.0},
         {"frames", report.frames},
         {"bytes_written", report.bytes_written}}},
-  };
+  });
   write(directory, json);
 }
 
@@ -127,28 +133,19 @@ void write_sweep_report(const std::filesystem::path& directory, const scene::Swe
                         const SweepReport& report) {
   const double rate =
       report.wall_seconds > 0 ? static_cast<double>(report.rows_computed) / report.wall_seconds : 0;
-  write(directory,
-        {{"program", "salvo"},
-         {"status", name(report.status)},
-         {"reason", report.reason},
-         {"command", report.command_line},
-         {"versions", versions()},
-         {"scene",
-          {{"path", scene.path},
-           {"title", scene.title},
-           {"digest", to_string(row_digest(scene))},
-           {"overrides", scene.overrides},
-           {"model", scene.model->name},
-           {"seed", scene.setup.seed},
-           {"precision", scene::name(scene.setup.precision)}}},
-         {"result", nullptr},
-         {"sweep", {{"rows", report.rows}, {"hash", report.hash ? to_string(*report.hash) : ""}}},
-         {"machine", machine(report.execution)},
-         {"timing",
-          {{"started", report.started},
-           {"wall_seconds", report.wall_seconds},
-           {"trajectories_per_second", rate},
-           {"bytes_written", report.bytes_written}}}});
+  Json json = head(report);
+  json["scene"] = scene_of(scene, row_digest(scene), scene.setup);
+  json["scene"]["model"] = scene.model->name;
+  json.update(
+      Json{{"result", nullptr},
+           {"sweep", {{"rows", report.rows}, {"hash", report.hash ? to_string(*report.hash) : ""}}},
+           {"machine", machine(report.execution)},
+           {"timing",
+            {{"started", report.started},
+             {"wall_seconds", report.wall_seconds},
+             {"trajectories_per_second", rate},
+             {"bytes_written", report.bytes_written}}}});
+  write(directory, json);
 }
 
 std::string utc_now() {
