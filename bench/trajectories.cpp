@@ -130,7 +130,7 @@ void measure(benchmark::State& state, const Problem& problem, Isa isa, int threa
     const double start = now();
     const solver::Integrated result = batch.integrate(end, integration, isa, threads);
     seconds.push_back(now() - start);
-    efficiency = result.simd_efficiency;
+    efficiency = result.simd_efficiency();
     taken = std::accumulate(result.steps.begin(), result.steps.end(), 0.0);
     state.SetLabel(to_string(batch.hash().total));
   }

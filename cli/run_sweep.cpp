@@ -103,8 +103,8 @@ class SweepRun {
         auto rows = std::make_shared<const solver::SweepRows>(sweep_.run(first, count, execution_));
         efficiency_ += rows->simd_efficiency * static_cast<double>(count);
         if (sweep_.rows() <= few_rows) {
-          few_ = rows_text(sweep_, *rows);
-          few_json_ = json_of(sweep_, *rows);
+          few_ = rows_text(sweep_, *rows, scene_.click);
+          few_json_ = json_of(sweep_, *rows, scene_.click);
         }
         take_written();
         written_ = std::async(std::launch::async,
@@ -225,7 +225,9 @@ class SweepRun {
     document["solved"] = Json::array();
     const auto inputs = scene_.model->kernels(solver::Isa::scalar).input_fields;
     for (const scene::Solved& solved : scene_.solved) {
-      document["solved"].push_back({{"input", inputs[solved.input].name}, {"value", solved.value}});
+      Json entry = {{"input", inputs[solved.input].name}};
+      solved.by_point.empty() ? entry["value"] = solved.value : entry["values"] = solved.by_point;
+      document["solved"].push_back(std::move(entry));
     }
     if (scene_.stop) document["stop"] = {{"reached", stopped_}, {"half_width", half_width_}};
     return document;
@@ -288,9 +290,9 @@ ExitStatus run_index(const Options& options, const scene::SweepScene& scene) {
                 {"execution", json_of(options.execution())},
                 {"index", index},
                 {"hash", to_string(rows.hash(solver::Parallel(1)))},
-                {"trajectories", json_of(sweep, rows)}});
+                {"trajectories", json_of(sweep, rows, scene.click)}});
   } else {
-    print(rows_text(sweep, rows));
+    print(rows_text(sweep, rows, scene.click));
     print(fmt::format("\nhash  {}\n", to_string(rows.hash(solver::Parallel(1)))));
   }
   return ExitStatus::done;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cli/drop_table.hpp"
 #include "cli/text.hpp"
 #include "cli/text_table.hpp"
 #include "recording/frame.hpp"
@@ -116,7 +117,7 @@ Json json_of(const scene::SweepScene& scene, const Sweep& sweep,
   return document;
 }
 
-Json json_of(const Sweep& sweep, const SweepRows& rows) {
+Json json_of(const Sweep& sweep, const SweepRows& rows, double click) {
   Json list = Json::array();
   for (std::size_t row = 0; row < rows.table.rows(); ++row) {
     Json object = Json::object();
@@ -134,6 +135,12 @@ Json json_of(const Sweep& sweep, const SweepRows& rows) {
       for (std::size_t f = 0; f < rows.samples.size(); ++f) {
         add(std::string(sweep.sample_fields()[f].name), rows.samples[f]);
       }
+      if (click != 0) {
+        for (const DropLine& line : drop_lines(sweep, rows, row, click)) {
+          samples["clicks_up"].push_back(line.clicks_up);
+          samples["clicks_right"].push_back(line.clicks_right);
+        }
+      }
       object["samples"] = samples;
     }
     list.push_back(std::move(object));
@@ -146,6 +153,13 @@ std::string solved_text(const scene::SweepScene& scene) {
   const auto inputs = scene.model->kernels(solver::Isa::scalar).input_fields;
   for (const scene::Solved& solved : scene.solved) {
     const soa::Field& field = inputs[solved.input];
+    if (!solved.by_point.empty()) {
+      const auto [least, greatest] = std::ranges::minmax(solved.by_point);
+      text += fmt::format("{} from {:.12g} to {:.12g} {} brings {} to {:g} at each of {} points\n",
+                          field.name, least, greatest, field.unit, solved.quantity, solved.target,
+                          grouped(solved.by_point.size()));
+      continue;
+    }
     text += fmt::format("{} = {:.12g} {} brings {} to {:g}\n", field.name, solved.value, field.unit,
                         solved.quantity, solved.target);
   }
@@ -203,7 +217,7 @@ std::string statistics_text(const scene::SweepScene& scene, const Sweep& sweep,
   return text;
 }
 
-std::string rows_text(const Sweep& sweep, const SweepRows& rows) {
+std::string rows_text(const Sweep& sweep, const SweepRows& rows, double click) {
   std::vector<std::string> headings{"<"};
   for (std::size_t row = 0; row < rows.table.rows(); ++row) {
     headings.push_back(fmt::format("row {}", rows.table.ids()[row]));
@@ -229,7 +243,12 @@ std::string rows_text(const Sweep& sweep, const SweepRows& rows) {
     for (const std::vector<double>& values : rows.samples) line.push_back(number(values[level]));
     samples.add(std::move(line));
   }
-  return text + fmt::format("\nsamples of row {}\n", rows.table.ids()[0]) + samples.text();
+  text += fmt::format("\nsamples of row {}\n", rows.table.ids()[0]) + samples.text();
+  if (click == 0) return text;
+  return text +
+         fmt::format("\ndrop table of row {}, clicks of {:g} mrad\n", rows.table.ids()[0],
+                     1e3 * click) +
+         drop_table_text(drop_lines(sweep, rows, 0, click));
 }
 
 }  // namespace salvo::cli

@@ -7,19 +7,13 @@
 #include <array>
 #include <cstddef>
 
+#include "integrators/step_with_error.hpp"
 #include "kernels/array.hpp"
 
 namespace salvo::integrators {
 inline namespace SALVO_ISA {
 
 inline constexpr std::array<int, 4> midpoint_substeps{2, 4, 6, 8};
-
-/// y(t + h) and its error, from the slope f(t, y).
-template <class V, std::size_t N>
-struct Extrapolated {
-  std::array<V, N> result;
-  std::array<V, N> error;
-};
 
 /// y(t + h) by `substeps` of the modified midpoint rule, smoothed. Out of line: with all of its
 /// stages written out a model would take a minute to compile.
@@ -44,12 +38,13 @@ template <class V, std::size_t N, class Rate>
       [&](std::size_t i) { return (now[i] + before[i] + last[i] * part) * V(0.5); });
 }
 
+/// y(t + h), from the slope f(t, y).
 template <class V, std::size_t N, class Rate>
-Extrapolated<V, N> extrapolation_8(const std::array<V, N>& y, const std::array<V, N>& slope, V t,
-                                   V h, const Rate& rate) {
+StepWithError<V, N> extrapolation_8(const std::array<V, N>& y, const std::array<V, N>& slope, V t,
+                                    V h, const Rate& rate) {
   constexpr std::size_t columns = midpoint_substeps.size();
   std::array<std::array<V, N>, columns> row;  // of Neville's scheme, the newest first
-  Extrapolated<V, N> extrapolated;
+  StepWithError<V, N> extrapolated;
   for (std::size_t j = 0; j < columns; ++j) {
     std::array<V, N> value = modified_midpoint(y, slope, t, h, midpoint_substeps[j], rate);
     for (std::size_t k = 1; k <= j; ++k) {

@@ -24,4 +24,7 @@ struct DragFunction {
 
 extern const std::array<DragFunction, 7> drag_functions;
 
+/// Where a user's own drag function comes behind them.
+inline constexpr std::size_t own_drag_function = 7;
+
 }  // namespace salvo::models

@@ -21,6 +21,10 @@ inline namespace SALVO_ISA {
 template <class V>
 struct Projectile {
   using T = typename V::Real;
+  using Data = DragTables;
+
+  Projectile() : tables(projectile_tables<T>()) {}
+  explicit Projectile(const DragTables& data) : tables(data.of<T>()) {}
 
   static constexpr auto state_fields = flight_fields;
   static constexpr bool of_positions = true;
@@ -32,7 +36,8 @@ struct Projectile {
        kernels::pi / 8 / 150, 0, 1e9},
   }};
   static constexpr std::array<soa::Field, 11> shared_fields{{
-      {"drag_function", soa::Scalar::real, 1, "", "index in models::drag_functions", 4, 0, 6},
+      {"drag_function", soa::Scalar::real, 1, "", "index in models::drag_functions; 7: an own one",
+       4, 0, 7},
       {"wind_x", soa::Scalar::real, 1, "m/s", "wind downrange", 0, -1e9, 1e9},
       {"wind_y", soa::Scalar::real, 1, "m/s", "wind up", 0, -1e9, 1e9},
       {"wind_z", soa::Scalar::real, 1, "m/s", "wind to the right", 0, -1e9, 1e9},
@@ -170,7 +175,7 @@ struct Projectile {
     return given * kernels::Dual<V>(select(sheared, part, V(1)), select(sheared, slope, V(0)));
   }
 
-  const ProjectileTables<T>& tables = projectile_tables<T>();
+  const ProjectileTables<T>& tables;
 };
 
 }  // namespace SALVO_ISA

@@ -27,6 +27,7 @@ using solver::Variation;
 using S = kernels::ScalarLane<double>;
 
 constexpr std::size_t most_levels = 100'000;
+constexpr std::uint64_t most_solved_points = 10'000;
 constexpr double reach = 8;  // deviations: beyond them lies one value of 10^15
 
 // Turns what the keys hold into a scene, and checks what needs several keys.
@@ -55,6 +56,7 @@ class SweepCompletion {
     kernels_ = &keys_.model->kernels(solver::Isa::scalar);
     keys_.setup.model = keys_.model->kernels;
     complete_inputs(keys_.inputs, std::string(keys_.model->name), keys_.setup.inputs);
+    complete_drag();
     complete_joint();
     complete_integration();
     complete_samples();
@@ -138,7 +140,7 @@ class SweepCompletion {
     }
     try {
       if (!table_) {
-        table_.emplace((std::filesystem::path(keys_.path).parent_path() / keys_.table).string());
+        table_.emplace(beside_scene(keys_.table));
       }
       input.values = table_->column(column, std::string(field.unit));
     } catch (const TableError& error) {
@@ -151,6 +153,57 @@ class SweepCompletion {
            "expected " + between(field.lowest, field.highest).text(field.unit));
       return;
     }
+  }
+
+  void complete_drag() {
+    const std::span<const soa::Field> fields = kernels_->input_fields;
+    bool used = false;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (fields[i].name != "drag_function") continue;
+      const Variation& input = keys_.setup.inputs[i];
+      const std::vector<double>& values = input.values;
+      constexpr auto own = static_cast<double>(models::own_drag_function);
+      used = values.empty() ? input.a == own : std::ranges::find(values, own) != values.end();
+    }
+    const std::string model(keys_.model->name);
+    const bool given = keys_.drag && !keys_.drag->table.empty();
+    if (used && !given) {
+      fail(model + ".drag_function", "the drag function is a table, but there is none",
+           "give table in [drag]");
+    }
+    if (!keys_.drag) return;
+    if (given && !used) {
+      fail("drag.table", "no trajectory has this drag function",
+           fmt::format("expected drag_function = \"table\" in [{}]", model));
+    }
+    std::vector<models::DragPoint> points;
+    if (given) {
+      try {
+        const CsvTable table(beside_scene(keys_.drag->table));
+        const std::vector<double> mach = table.column(keys_.drag->mach, "");
+        const std::vector<double> coefficient = table.column(keys_.drag->coefficient, "");
+        for (std::size_t i = 0; i < mach.size(); ++i) points.push_back({mach[i], coefficient[i]});
+      } catch (const TableError& error) {
+        fail("drag.table", error.what(), error.hint());
+        return;
+      }
+      if (const auto mistake = models::DragTables::mistake_in(points)) {
+        fail("drag.table",
+             fmt::format("row {} of {}: {}", mistake->point + 1, beside_scene(keys_.drag->table),
+                         mistake->problem),
+             mistake->hint);
+        return;
+      }
+    }
+    keys_.setup.data =
+        std::make_shared<const models::DragTables>(points, keys_.drag->interpolation);
+    if (!kernels_->accepts_data(*keys_.setup.data)) {
+      fail("drag", fmt::format("the model {} has no drag function", model), "remove [drag]");
+    }
+  }
+
+  std::string beside_scene(const std::string& file) const {
+    return (std::filesystem::path(keys_.path).parent_path() / file).string();
   }
 
   // Values that a distribution comes to are values of the input.
@@ -247,12 +300,20 @@ class SweepCompletion {
     integration.absolute_tolerance = given.absolute_tolerance;
     integration.relative_tolerance = given.relative_tolerance;
     integration.smallest_step = given.smallest_step;
+    integration.largest_step = given.largest_step;
+    if (given.accuracy.value) {
+      KeyText key = like(kernels_->state_fields[0], "accuracy", false);
+      key.bounds = positive;
+      read(given.accuracy, key, integration.accuracy);
+    }
     integration.most_steps = given.most_steps;
     keys_.setup.time_limit = given.time_limit;
-    const bool adaptive = given.absolute_tolerance > 0 || given.relative_tolerance > 0;
-    if (adaptive && !solver::has_embedded(given.method)) {
+    const bool adaptive = given.absolute_tolerance > 0 || given.relative_tolerance > 0 ||
+                          given.accuracy.value.has_value();
+    if (adaptive && !solver::knows_error(given.method)) {
       fail("integration.method", "the method knows no error, but there is a tolerance",
-           "expected tsitouras_5, dormand_prince_5 or extrapolation_8, or no tolerance");
+           "expected tsitouras_5, dormand_prince_5, extrapolation_8 or step_doubling_euler, or no "
+           "tolerance");
     }
     if (given.method == solver::Method::semi_implicit_euler && !kernels_->of_positions) {
       fail("integration.method", "the model is not one of positions and velocities",
@@ -281,6 +342,11 @@ class SweepCompletion {
       if (!state) return;
       samples.quantity = *state;
       field = kernels_->state_fields[*state];
+    }
+    keys_.click = given.click;
+    if (given.click != 0 && !has_drops()) {
+      fail("samples.click", "there are clicks, but no drop table",
+           "expected of = \"x\", and a model with the states x, y and z");
     }
     const auto level = [&](const Later& later, const char* name, double& out) {
       return read(later, like(field, name, false), out);
@@ -314,6 +380,14 @@ class SweepCompletion {
     for (std::size_t i = 0; i <= static_cast<std::size_t>(count); ++i) {
       samples.levels.push_back(from + static_cast<double>(i) * every);
     }
+  }
+
+  // Samples at ranges, of places.
+  bool has_drops() const {
+    const std::vector<std::string_view> states = names_of(kernels_->state_fields);
+    const std::array<std::string_view, 3> place{"x", "y", "z"};
+    return keys_.sample_keys->of == "x" && states.size() >= place.size() &&
+           std::ranges::equal(place, std::span(states).first(place.size()));
   }
 
   void check_size() {
@@ -461,33 +535,48 @@ class SweepCompletion {
       if (mistakes_.count() == before) equations.push_back(std::move(equation));
     }
     if (mistakes_.count() != 0 || equations.empty()) return;
-    for (const Unsolved& unsolved : solve(equations, keys_.setup)) {
+    const bool each_point = keys_.solve.front().each_point;
+    for (std::size_t i = 0; i < keys_.solve.size(); ++i) {
+      if (keys_.solve[i].each_point == each_point) continue;
+      fail(fmt::format("solve.{}", i), "one equation is for each point of the grid, another is not",
+           "give each_point in all [[solve]] or in none");
+    }
+    if (each_point && sweep.points() > most_solved_points) {
+      fail("solve.0.each_point", fmt::format("the grid has {} points", sweep.points()),
+           fmt::format("expected at most {}, each of which is solved for before the sweep begins",
+                       most_solved_points));
+    }
+    if (mistakes_.count() != 0) return;
+    for (const Unsolved& unsolved :
+         each_point ? solve_each_point(equations, keys_.setup) : solve(equations, keys_.setup)) {
       const Equation& equation = *unsolved.equation;
       const soa::Field& field = kernels_->input_fields[equation.input];
       const soa::Field& quantity = sweep.fields()[equation.column];
+      const std::string at_point =
+          each_point ? fmt::format(", at point {} of the grid", unsolved.point) : std::string();
       if (unsolved.pinned) {
         fail(equation.path + ".quantity",
-             fmt::format("for some values of {}, {} is {:.9g} {} because trajectories end there",
-                         field.name, quantity.name, equation.target, quantity.unit),
+             fmt::format("for some values of {}, {} is {:.9g} {} because trajectories end there{}",
+                         field.name, quantity.name, equation.target, quantity.unit, at_point),
              "put what ends them out of reach, such as with = { ground = -1e6 }");
         continue;
       }
       if (unsolved.least > unsolved.greatest) {
         fail(equation.path + ".outcome",
-             fmt::format("no {} from {:.9g} to {:.9g} {} has this outcome", field.name,
-                         equation.between[0], equation.between[1], field.unit),
+             fmt::format("no {} from {:.9g} to {:.9g} {} has this outcome{}", field.name,
+                         equation.between[0], equation.between[1], field.unit, at_point),
              "expected an outcome that some trajectory has");
         continue;
       }
       fail(equation.path + ".between",
-           fmt::format("no {} from {:.9g} to {:.9g} {} brings {} to {:.9g} {}", field.name,
+           fmt::format("no {} from {:.9g} to {:.9g} {} brings {} to {:.9g} {}{}", field.name,
                        equation.between[0], equation.between[1], field.unit, quantity.name,
-                       equation.target, quantity.unit),
+                       equation.target, quantity.unit, at_point),
            fmt::format("it comes to {:.9g} to {:.9g} {}", unsolved.least, unsolved.greatest,
                        quantity.unit));
     }
     for (const Equation& equation : equations) {
-      keys_.solved.push_back({equation.input, equation.value,
+      keys_.solved.push_back({equation.input, equation.value, equation.by_point,
                               std::string(sweep.fields()[equation.column].name), equation.target});
     }
   }

@@ -164,6 +164,26 @@ std::vector<Unsolved> solve(std::vector<Equation>& equations, solver::SweepSetup
   return unsolved;
 }
 
+std::vector<Unsolved> solve_each_point(std::vector<Equation>& equations,
+                                       solver::SweepSetup& setup) {
+  const solver::Sweep sweep(setup);
+  for (std::uint64_t point = 0; point < sweep.points(); ++point) {
+    solver::SweepSetup at_point = sweep.at_point(point);
+    std::vector<Unsolved> unsolved = solve(equations, at_point);
+    for (Unsolved& each : unsolved) each.point = point;
+    if (!unsolved.empty()) return unsolved;
+    for (Equation& equation : equations) equation.by_point.push_back(equation.value);
+  }
+  const solver::SweepSetup means = nominal(setup);
+  for (const Equation& equation : equations) {
+    std::vector<double>& shifts = setup.inputs[equation.input].shifts;
+    for (const double value : equation.by_point) {
+      shifts.push_back(value - means.inputs[equation.input].a);
+    }
+  }
+  return {};
+}
+
 std::optional<std::vector<std::vector<double>>> cholesky(
     const std::vector<std::vector<double>>& matrix) {
   const auto n = static_cast<Eigen::Index>(matrix.size());

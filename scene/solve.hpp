@@ -24,6 +24,7 @@ struct Equation {
   std::optional<std::uint32_t> outcome;  ///< trajectories that end otherwise do not count
   std::vector<std::pair<std::size_t, double>> with;
   double value = 0;  ///< the root
+  std::vector<double> by_point;
 };
 
 struct Unsolved {
@@ -31,11 +32,15 @@ struct Unsolved {
   double least;  ///< that the quantity comes to
   double greatest;
   bool pinned;  ///< it is at its target for many values
+  std::uint64_t point = 0;
 };
 
 /// Solves the equations with all inputs at their nominal values and puts the roots into the setup,
 /// as constants or means. Returns those without a root.
 std::vector<Unsolved> solve(std::vector<Equation>& equations, solver::SweepSetup& setup);
+
+/// The same at each point of the grid; the inputs get shifts that bring them to the roots.
+std::vector<Unsolved> solve_each_point(std::vector<Equation>& equations, solver::SweepSetup& setup);
 
 /// The lower triangular factor of a positive definite matrix; nothing when it is not.
 std::optional<std::vector<std::vector<double>>> cholesky(

@@ -22,6 +22,7 @@ Words words_of_input(std::string_view name) {
     const models::DragFunction& function = models::drag_functions[i];
     words.emplace_back(function.name, static_cast<int>(i), function.projectile);
   }
+  words.emplace_back("table", static_cast<int>(models::own_drag_function), "that of `[drag]`");
   return words;
 }
 
@@ -82,6 +83,30 @@ const Section<SweepKeys>& draw_section() {
   return section;
 }
 
+const Section<DragKeys>& drag_section() {
+  using models::DragInterpolation;
+  constexpr KeysOf<DragKeys> of;
+  static const Section<DragKeys> section(
+      "drag", false,
+      "of the model `projectile`: an own drag function, and how they are interpolated",
+      {
+          of.key("table", "", &DragKeys::table,
+                 "file, beside the scene, of Mach numbers and drag coefficients: the drag function "
+                 "`\"table\"`"),
+          of.key("mach", "", &DragKeys::mach, "its column of Mach numbers"),
+          of.key(
+              "cd", "", &DragKeys::coefficient,
+              "its column of drag coefficients, referred to the area of the calibre; outside the "
+              "Mach numbers the first and the last hold"),
+          of.word("interpolation", &DragKeys::interpolation,
+                  "between points, of all drag functions",
+                  {{"monotone", DragInterpolation::monotone,
+                    "a cubic with a continuous slope that does not overshoot"},
+                   {"linear", DragInterpolation::linear, "straight lines"}}),
+      });
+  return section;
+}
+
 const Section<JointKeys>& joint_section() {
   constexpr KeysOf<JointKeys> of;
   static const Section<JointKeys> section(
@@ -110,7 +135,9 @@ const Section<IntegrationKeys>& integration_section() {
                    {"tsitouras_5", Method::tsitouras_5, "order 5, knows its error"},
                    {"dormand_prince_5", Method::dormand_prince_5, "order 5, knows its error"},
                    {"extrapolation_8", Method::extrapolation_8,
-                    "order 8, knows its error: for tolerances below 1e-9"}}),
+                    "order 8, knows its error: for tolerances below 1e-9"},
+                   {"step_doubling_euler", Method::step_doubling_euler,
+                    "order 1, knows its error by two steps of half the length"}}),
           of.key("step", "s", &IntegrationKeys::step,
                  "every step; with tolerances the first one tried", positive),
           of.key("absolute_tolerance", "", &IntegrationKeys::absolute_tolerance,
@@ -119,8 +146,15 @@ const Section<IntegrationKeys>& integration_section() {
                  not_negative),
           of.key("relative_tolerance", "", &IntegrationKeys::relative_tolerance,
                  "added to it: a part of each component of the state", not_negative),
+          of.key("accuracy", "", &IntegrationKeys::accuracy,
+                 "what the end may be off by, in the unit of the first state (of positions and "
+                 "velocities: the positions); rows are run with tighter tolerances until their end "
+                 "stays within a quarter of it"),
           of.key("smallest_step", "s", &IntegrationKeys::smallest_step,
                  "a row that needs a shorter one ends there", not_negative),
+          of.key("largest_step", "s", &IntegrationKeys::largest_step,
+                 "no step is longer: what happens twice within a step may be missed", positive)
+              .otherwise("no limit"),
           of.key("most_steps", "", &IntegrationKeys::most_steps, "a row that needs more ends there",
                  between(1, 0x1p24)),
           of.key("time_limit", "s", &IntegrationKeys::time_limit, "the end of every row", positive)
@@ -144,6 +178,10 @@ const Section<SampleKeys>& sample_section() {
           of.key("from", "", &SampleKeys::from, "the first level").otherwise("`0`"),
           of.key("to", "", &SampleKeys::to, "the last level"),
           of.key("every", "", &SampleKeys::every, "between levels"),
+          of.key("click", "rad", &SampleKeys::click,
+                 "by how much a click turns the sight: samples of x are printed as a drop table",
+                 positive)
+              .otherwise("no drop table"),
       });
   return section;
 }
@@ -199,7 +237,8 @@ const Section<SolveKeys>& solve_section() {
   constexpr KeysOf<SolveKeys> of;
   static const Section<SolveKeys> section(
       "solve", true,
-      "an input whose value follows from what it is to bring about, with all others at their means",
+      "an input whose value follows from what it is to bring about, with all others at their means "
+      "and at the first point of the grid",
       {
           of.key("input", "", &SolveKeys::input, "which; its mean, where it varies").must(),
           of.key("between", "", &SolveKeys::between, "[low, high]: where its value is sought")
@@ -213,6 +252,8 @@ const Section<SolveKeys>& solve_section() {
           of.word("root", &SolveKeys::root, "which, where there are several",
                   {{"first", WhichRoot::first, "the lowest value of the input"},
                    {"last", WhichRoot::last, "the highest"}}),
+          of.key("each_point", "", &SolveKeys::each_point,
+                 "solve at every point of the grid by itself"),
           of.key("with", "", &SolveKeys::with,
                  "inputs that are different meanwhile, as in the model's section"),
       });
@@ -257,6 +298,8 @@ const Section<SweepKeys>& sweep_section() {
     }
     const auto self = [](SweepKeys & scene) -> auto& { return scene; };
     keys.push_back(of.table("sweep", draw_section(), self));
+    keys.push_back(of.table(
+        "drag", drag_section(), [](SweepKeys & scene) -> auto& { return scene.drag.emplace(); }));
     keys.push_back(of.list("joint_normal", joint_section(), &SweepKeys::joint));
     keys.push_back(of.table("integration", integration_section(), &SweepKeys::integration).must());
     keys.push_back(of.table(

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "models/projectile_tables.hpp"
 #include "scene/keys.hpp"
 #include "scene/sweep_scene.hpp"
 
@@ -33,7 +35,15 @@ struct SolveKeys {
   Later equals;
   std::string outcome;
   WhichRoot root = WhichRoot::first;
+  bool each_point = false;
   Later with;
+};
+
+struct DragKeys {
+  std::string table;
+  std::string mach = "mach";
+  std::string coefficient = "cd";
+  models::DragInterpolation interpolation = models::DragInterpolation::monotone;
 };
 
 struct SampleKeys {
@@ -42,6 +52,7 @@ struct SampleKeys {
   Later from;
   Later to;
   Later every;
+  double click = 0;
 };
 
 struct PlaneKeys {
@@ -68,7 +79,9 @@ struct IntegrationKeys {
   double step = 0.01;
   double absolute_tolerance = 0;
   double relative_tolerance = 0;
+  Later accuracy;
   double smallest_step = 0;
+  double largest_step = std::numeric_limits<double>::infinity();
   std::int64_t most_steps = 1'000'000;
   double time_limit = 0;
   std::optional<std::vector<std::string>> stop_at;
@@ -79,6 +92,7 @@ struct SweepKeys : SweepScene {
   std::vector<std::size_t> models;  ///< those whose sections are given, by solver::models()
   InputKeys inputs;
   std::string table;
+  std::optional<DragKeys> drag;
   std::vector<JointKeys> joint;
   IntegrationKeys integration;
   std::optional<SampleKeys> sample_keys;

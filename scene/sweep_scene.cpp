@@ -23,6 +23,7 @@ solver::Digest row_digest(const SweepScene& scene) {
     text += fmt::format("{}", static_cast<int>(input.kind));
     add(std::array{input.a, input.b, input.lowest, input.highest});
     add(input.values);
+    add(input.shifts);
   }
   for (const solver::JointNormal& joint : setup.joint) {
     text += fmt::format("joint {}", fmt::join(joint.inputs, " "));
@@ -34,7 +35,9 @@ solver::Digest row_digest(const SweepScene& scene) {
   text += fmt::format("{} {} {} {}\n", static_cast<int>(integration.method), integration.most_steps,
                       integration.stop_at.value_or(~std::uint32_t{0}), integration.record);
   add(std::array{integration.step, integration.absolute_tolerance, integration.relative_tolerance,
-                 integration.smallest_step, setup.time_limit});
+                 integration.accuracy, integration.smallest_step, integration.largest_step,
+                 setup.time_limit});
+  if (setup.data) add(setup.data->numbers());
   text += fmt::format("{}", integration.samples.quantity);
   add(integration.samples.levels);
   return solver::digest_of(text.data(), text.size());

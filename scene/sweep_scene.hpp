@@ -24,8 +24,9 @@ struct StopSettings {
 struct Solved {
   std::size_t input = 0;
   double value = 0;
-  std::string quantity;  ///< the field that it brings
-  double target = 0;     ///< to this
+  std::vector<double> by_point;  ///< values at the points of the grid, where it was for each
+  std::string quantity;          ///< the field that it brings
+  double target = 0;             ///< to this
 };
 
 struct SweepScene : SceneText {
@@ -35,6 +36,7 @@ struct SweepScene : SceneText {
   std::vector<bool> counted;  ///< by outcome: whether the statistics count such rows
   std::optional<StopSettings> stop;
   std::vector<Solved> solved;
+  double click = 0;  ///< rad; of a sight, for drop tables; 0: none
   std::uint64_t verify_rows = 50000;
 };
 

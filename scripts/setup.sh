@@ -9,7 +9,7 @@ set -eu
 build="cmake ninja-build g++ libxsimd-dev libsleef-dev libtbb-dev libxxhash-dev libtomlplusplus-dev libfmt-dev
   libeigen3-dev librandom123-dev libhdf5-dev zlib1g-dev libcli11-dev nlohmann-json3-dev"
 bench="libbenchmark-dev libboost-dev python3"
-test="libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
+test="libboost-dev libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
   python3 python3-numpy python3-h5py python3-vtk9"
 clang="clang"
 # Only this group adds a foreign architecture. HDF5 is not in it: its two architectures exclude each other.

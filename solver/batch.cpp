@@ -38,11 +38,16 @@ void call(const BatchKernels& kernels, IntegratePass<double>& pass) {
 
 }  // namespace
 
-Batch::Batch(BatchModel model, soa::Precision precision, std::size_t rows, double t0)
+Batch::Batch(BatchModel model, soa::Precision precision, std::size_t rows, double t0,
+             std::shared_ptr<const models::ModelData> data)
     : model_(model),
       fields_(fields_of(model(Isa::scalar))),
       table_(fields_, precision, std::vector<bool>(fields_.size(), true)),
-      t0_(t0) {
+      t0_(t0),
+      data_(std::move(data)) {
+  if (data_ && !model(Isa::scalar).accepts_data(*data_)) {
+    throw std::invalid_argument("the model is not made from such data");
+  }
   table_.append(rows);
   for (std::size_t row = 0; row < rows; ++row) table_.ids()[row] = row;
   for (std::size_t f = 1; f < fields_.size(); ++f) {
@@ -76,6 +81,9 @@ Batch::Columns<T> Batch::columns_of(const BatchKernels& kernels) {
   return columns;
 }
 
+template Batch::Columns<float> Batch::columns_of(const BatchKernels&);
+template Batch::Columns<double> Batch::columns_of(const BatchKernels&);
+
 template <class T>
 void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double dt, int threads) {
   const Columns<T> columns = columns_of<T>(kernels);
@@ -86,6 +94,7 @@ void Batch::advance_rows(const BatchKernels& kernels, std::int64_t steps, double
     pass.last_row = std::min(rows(), pass.first_row + tile_rows);
     pass.state = columns.state.data();
     pass.parameters = columns.parameters.data();
+    pass.data = data_.get();
     pass.t0 = t0_;
     pass.dt = dt;
     pass.first_step = step_;
@@ -118,6 +127,8 @@ std::string_view name(Outcome outcome) {
       return "not finite";
     case Outcome::smallest_step:
       return "smallest step";
+    case Outcome::not_accurate:
+      return "not accurate";
   }
   return "unknown";
 }
@@ -190,12 +201,14 @@ void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> 
     pass.outcome = result.outcome.data();
     pass.event = result.event.data();
     pass.steps = result.steps.data();
+    pass.data = data_.get();
     pass.t0 = t0_;
     pass.integration = {integration.method,
-                        integration.step,
+                        std::min(integration.step, integration.largest_step),
                         integration.absolute_tolerance,
                         integration.relative_tolerance,
                         integration.smallest_step,
+                        integration.largest_step,
                         integration.most_steps};
     pass.stop_at = watched.stop_at;
     pass.record = integration.record;
@@ -205,20 +218,18 @@ void Batch::integrate_rows(const BatchKernels& kernels, std::span<const double> 
     call(kernels, pass);
     taken[tile] = {pass.useful_steps, pass.lane_steps};
   });
-  std::uint64_t useful = 0;
-  std::uint64_t all = 0;
-  for (const auto& [tile_useful, tile_all] : taken) {
-    useful += tile_useful;
-    all += tile_all;
+  for (const auto& [useful, all] : taken) {
+    result.useful_steps += useful;
+    result.lane_steps += all;
   }
-  result.simd_efficiency = all == 0 ? 1 : static_cast<double>(useful) / static_cast<double>(all);
 }
 
 Integrated Batch::integrate(std::span<const double> end, const Integration& integration, Isa isa,
                             int threads) {
   require_available(isa);
   const auto refuse = [](std::string_view what) { throw std::invalid_argument(std::string(what)); };
-  const bool adaptive = integration.absolute_tolerance > 0 || integration.relative_tolerance > 0;
+  const bool adaptive = integration.absolute_tolerance > 0 || integration.relative_tolerance > 0 ||
+                        integration.accuracy > 0;
   if (end.size() != rows()) refuse("one end time a row is needed");
   for (std::size_t row = 0; row < end.size(); ++row) {
     if (!(end[row] >= t0_) || !std::isfinite(end[row])) {
@@ -229,9 +240,11 @@ Integrated Batch::integrate(std::span<const double> end, const Integration& inte
   if (!(integration.absolute_tolerance >= 0) || !(integration.relative_tolerance >= 0)) {
     refuse("a tolerance is negative");
   }
-  if (adaptive && !has_embedded(integration.method)) {
+  if (!(integration.accuracy >= 0)) refuse("the accuracy is negative");
+  if (adaptive && !knows_error(integration.method)) {
     refuse("the method knows no error; choose another for tolerances");
   }
+  if (!(integration.largest_step > 0)) refuse("the largest step must be positive");
   if (integration.most_steps < 1 || integration.most_steps > 1 << 24) {
     refuse("the step limit must be from 1 to 2^24");
   }
@@ -246,6 +259,15 @@ Integrated Batch::integrate(std::span<const double> end, const Integration& inte
   if (!std::is_sorted(samples.levels.begin(), samples.levels.end())) {
     refuse("the samples' levels must ascend");
   }
+  if (integration.accuracy == 0) return integrate_once(end, integration, isa, threads);
+  return table_.precision() == soa::Precision::float32
+             ? integrate_until_accurate<float>(end, integration, isa, threads)
+             : integrate_until_accurate<double>(end, integration, isa, threads);
+}
+
+Integrated Batch::integrate_once(std::span<const double> end, const Integration& integration,
+                                 Isa isa, int threads) {
+  const BatchKernels& kernels = model_(isa);
   Integrated result;
   result.time.resize(rows());
   result.outcome.resize(rows());

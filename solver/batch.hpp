@@ -5,12 +5,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "models/event.hpp"
+#include "models/model_data.hpp"
 #include "soa/table.hpp"
 #include "solver/isa.hpp"
 #include "solver/parallel.hpp"
@@ -26,6 +29,7 @@ struct BatchPass {
   std::size_t last_row = 0;
   T* const* state = nullptr;
   const T* const* parameters = nullptr;
+  const models::ModelData* data = nullptr;
   double t0 = 0;
   double dt = 0;
   std::int64_t first_step = 0;
@@ -39,13 +43,13 @@ enum class Method {
   runge_kutta_4,
   tsitouras_5,
   dormand_prince_5,
-  extrapolation_8  ///< for tight tolerances
+  extrapolation_8,  ///< for tight tolerances
+  step_doubling_euler
 };
 
-/// Whether the method knows the error of a step.
-constexpr bool has_embedded(Method method) {
+constexpr bool knows_error(Method method) {
   return method == Method::tsitouras_5 || method == Method::dormand_prince_5 ||
-         method == Method::extrapolation_8;
+         method == Method::extrapolation_8 || method == Method::step_doubling_euler;
 }
 
 /// Levels of a quantity at which the state of every row is sampled when it first rises to them.
@@ -56,15 +60,22 @@ struct Samples {
   std::vector<double> levels;   ///< ascending
 };
 
-/// How each row is taken to its own end.
+/// How each row is taken to its own end. Tolerances bound the error of a step; `accuracy` is that
+/// of the end.
 struct Integration {
   Method method = Method::dormand_prince_5;
   double step = 0;  ///< s; every step, or with tolerances the first one tried
   /// Both zero: fixed steps. Else a step is repeated with a shorter one until the largest component
-  /// of its error is at most absolute + relative |y|. Needs a method with an embedded one.
+  /// of its error is at most absolute + relative |y|. Needs a method that knows its error.
   double absolute_tolerance = 0;
   double relative_tolerance = 0;
-  double smallest_step = 0;             ///< s; a row that needs a shorter one ends there
+  /// Zero, or what the state at a row's end may be off by (of models of positions and velocities:
+  /// the positions, in m). Rows are run again with tolerances a thousand times tighter until
+  /// their end moves by at most a quarter of it; the first absolute tolerance is a tenth of it,
+  /// unless one is given.
+  double accuracy = 0;
+  double smallest_step = 0;  ///< s; a row that needs a shorter one ends there
+  double largest_step = std::numeric_limits<double>::infinity();  ///< s; with tolerances
   std::int64_t most_steps = 1'000'000;  ///< tried steps; a row that needs more ends there
   /// The model's events that end a row, a bit each; nothing: those that the model says.
   std::optional<std::uint32_t> stop_at;
@@ -74,11 +85,12 @@ struct Integration {
 
 /// Why a row ended.
 enum class Outcome : std::uint8_t {
-  event,         ///< one of the model's events; `Integrated::event` says which
-  time_limit,    ///< it reached its end
-  step_limit,    ///< it took Integration::most_steps
-  not_finite,    ///< its state overflowed or became NaN with the step that fails
-  smallest_step  ///< its error wanted a step below Integration::smallest_step
+  event,          ///< one of the model's events; `Integrated::event` says which
+  time_limit,     ///< it reached its end
+  step_limit,     ///< it took Integration::most_steps
+  not_finite,     ///< its state overflowed or became NaN with the step that fails
+  smallest_step,  ///< its error wanted a step below Integration::smallest_step
+  not_accurate    ///< no tolerance brought it to Integration::accuracy
 };
 
 std::string_view name(Outcome outcome);
@@ -105,6 +117,7 @@ struct IntegratePass {
   std::size_t last_row = 0;
   T* const* state = nullptr;
   const T* const* parameters = nullptr;
+  const models::ModelData* data = nullptr;
   const double* end = nullptr;  ///< s, for each row
   double* time = nullptr;       ///< where it ended
   Outcome* outcome = nullptr;
@@ -118,6 +131,7 @@ struct IntegratePass {
     double absolute_tolerance;
     double relative_tolerance;
     double smallest_step;
+    double largest_step;
     std::int64_t most_steps;
   } integration;
   std::uint32_t stop_at = 0;
@@ -153,6 +167,7 @@ struct BatchKernels {
   void (*integrate_float64)(IntegratePass<double>&);
   void (*start)(const ColumnPass&);   ///< inputs to state, then parameters
   void (*finish)(const ColumnPass&);  ///< inputs, time and state to results
+  bool (*accepts_data)(const models::ModelData&);
 };
 
 /// Instants of rows, NaN where there was none.
@@ -166,14 +181,20 @@ struct Integrated {
   std::vector<double> time;  ///< s; where the row ended
   std::vector<Outcome> outcome;
   std::vector<std::uint8_t> event;   ///< index in the model's list, where the outcome is an event
-  std::vector<std::uint32_t> steps;  ///< tried
+  std::vector<std::uint32_t> steps;  ///< tried, in all runs of the row
   /// By event: the first of those that were recorded.
   std::vector<Instants> recorded;
   /// Events whose quantity touched zero within 1e-9 of its scale, a bit each.
   std::vector<std::uint32_t> grazes;
   Instants samples;  ///< element row * levels + level
   std::vector<std::uint32_t> samples_taken;
-  double simd_efficiency = 0;  ///< the part of the lanes' steps that had a row to step
+  std::uint64_t useful_steps = 0;  ///< of lanes that had a row
+  std::uint64_t lane_steps = 0;    ///< of all lanes
+
+  double simd_efficiency() const {
+    return lane_steps == 0 ? 1
+                           : static_cast<double>(useful_steps) / static_cast<double>(lane_steps);
+  }
 };
 
 /// Looks a model's kernels up by instruction set: what SALVO_DECLARE_MODEL(name) declares as
@@ -182,8 +203,11 @@ using BatchModel = const BatchKernels& (*)(Isa);
 
 class Batch {
  public:
-  /// `rows` copies of the model, ids 0 .. rows - 1, every field at its fallback, at t0.
-  Batch(BatchModel model, soa::Precision precision, std::size_t rows, double t0 = 0);
+  /// `rows` copies of the model, ids 0 .. rows - 1, every field at its fallback, at t0; `data` is
+  /// what they share, where the model is made from something. Throws std::invalid_argument when it
+  /// is made from something else.
+  Batch(BatchModel model, soa::Precision precision, std::size_t rows, double t0 = 0,
+        std::shared_ptr<const models::ModelData> data = nullptr);
 
   std::size_t rows() const { return table_.rows(); }
   const soa::Table& table() const { return table_; }
@@ -221,6 +245,11 @@ class Batch {
   template <class T>
   void integrate_rows(const BatchKernels& kernels, std::span<const double> end,
                       const Integration& integration, int threads, Integrated& result);
+  Integrated integrate_once(std::span<const double> end, const Integration& integration, Isa isa,
+                            int threads);
+  template <class T>
+  Integrated integrate_until_accurate(std::span<const double> end, Integration integration, Isa isa,
+                                      int threads);
   template <class T>
   void advance_rows(const BatchKernels& kernels, std::int64_t steps, double dt, int threads);
 
@@ -228,6 +257,7 @@ class Batch {
   std::vector<soa::Field> fields_;
   soa::Table table_;
   double t0_;
+  std::shared_ptr<const models::ModelData> data_;
   std::int64_t step_ = 0;
 };
 

@@ -39,7 +39,7 @@ void advance_batch(const BatchPass<T>& pass) {
   constexpr std::size_t states = M::state_fields.size();
   constexpr std::size_t parameters = M::parameter_fields.size();
   static_assert(scalar_fields(M::state_fields) && scalar_fields(M::parameter_fields));
-  const M model{};
+  const M model = make_model<M>(pass.data);
   const V dt(pass.dt);
   for (std::size_t row = pass.first_row; row < soa::padded(pass.last_row); row += V::width) {
     std::array<V, states> s;
@@ -52,6 +52,15 @@ void advance_batch(const BatchPass<T>& pass) {
           s, t, dt, [&](V at, const std::array<V, states>& y) { return model.rate(at, y, p); });
     }
     for (std::size_t i = 0; i < states; ++i) s[i].store(pass.state[i] + row);
+  }
+}
+
+template <class M>
+bool accepts_data(const models::ModelData& data) {
+  if constexpr (requires { typename M::Data; }) {
+    return dynamic_cast<const typename M::Data*>(&data) != nullptr;
+  } else {
+    return false;
   }
 }
 
@@ -156,7 +165,8 @@ void finish_rows(const ColumnPass& pass) {
       &salvo::solver::integrate_batch<MODEL, float>,                           \
       &salvo::solver::integrate_batch<MODEL, double>,                          \
       &salvo::solver::start_rows<MODEL>,                                       \
-      &salvo::solver::finish_rows<MODEL>};                                     \
+      &salvo::solver::finish_rows<MODEL>,                                      \
+      &salvo::solver::accepts_data<MODEL<salvo::kernels::NativeLane<float>>>}; \
   }
 
 // NOLINTEND(bugprone-macro-parentheses)

@@ -2,8 +2,7 @@
 // nothing but the row.
 //
 // The step is controlled by the error of the last two steps (PI control, Hairer, Norsett, Wanner,
-// II.4 and IV.2; exponents 1/8 and 1/16 instead of the usual 0.14 and 0.08, because four square
-// roots take less time than one power).
+// II.4 and IV.2).
 #pragma once
 
 #include "kernels/pair.hpp"
@@ -13,6 +12,14 @@
 
 namespace salvo::solver {
 inline namespace SALVO_ISA {
+
+template <class M>
+M make_model(const models::ModelData* data) {
+  if constexpr (requires { typename M::Data; }) {
+    if (data) return M(static_cast<const typename M::Data&>(*data));
+  }
+  return M{};
+}
 
 /// What the samples of a pass are levels of.
 template <class W, std::size_t N, class T>
@@ -104,6 +111,7 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
   const W relative(pass.integration.relative_tolerance);
   const W most(static_cast<T>(pass.integration.most_steps));
   const W smallest(pass.integration.smallest_step);
+  const W largest(pass.integration.largest_step);
   const bool watched = is_watched(pass);
   while (rows.any_left()) {
     State y = rows.y;
@@ -140,11 +148,11 @@ SALVO_FLATTEN void integrate_adaptive(IntegratePass<typename W::Real>& pass, con
       const Mask accepted = error <= W(1);
 
       // A step that needs no error at all grows fivefold, one that fails shrinks at most as much.
-      const W eighth = sqrt(sqrt(sqrt(error)));
-      const W usual = clamp(W(0.9) * last_error / eighth, W(0.2), W(5));
-      const W after_failure = clamp(W(0.9) / (eighth * sqrt(eighth)), W(0.2), W(0.9));
-      const W wanted = h * select(accepted, usual, after_failure);
-      last_error = select(accepted, max(sqrt(eighth), W(0.1)), last_error);
+      const W root = method.control_root(error);
+      const W usual = clamp(W(0.9) * last_error / root, W(0.2), W(5));
+      const W after_failure = clamp(W(0.9) / (root * sqrt(root)), W(0.2), W(0.9));
+      const W wanted = min(h * select(accepted, usual, after_failure), largest);
+      last_error = select(accepted, max(sqrt(root), W(0.1)), last_error);
 
       ending = {};
       if (watched) {
@@ -222,7 +230,7 @@ template <template <class> class Model, class T>
 void integrate_batch(IntegratePass<T>& pass) {
   using W = kernels::Pair<kernels::NativeLane<T>>;
   using M = Model<W>;
-  const M model{};
+  const M model = make_model<M>(pass.data);
   switch (pass.integration.method) {
     case Method::explicit_euler:
     case Method::heun:
@@ -238,8 +246,11 @@ void integrate_batch(IntegratePass<T>& pass) {
       return integrate_by_pair<W, M, integrators::tsitouras_5>(pass, model);
     case Method::dormand_prince_5:
       return integrate_by_pair<W, M, integrators::dormand_prince_5>(pass, model);
+    case Method::step_doubling_euler:
     case Method::extrapolation_8:
-      if (is_adaptive(pass)) return integrate_adaptive<W, M>(pass, model, Extrapolation());
+      if (is_adaptive(pass)) {
+        return integrate_adaptive<W, M>(pass, model, AnyAdaptiveMethod{{pass.integration.method}});
+      }
       return integrate_fixed_by<W, M>(pass, model, AnyFixedMethod{pass.integration.method});
   }
 }

@@ -109,7 +109,7 @@ class LaneRows {
   W end;           // since t0, s
   W total;         // fixed steps to the end
   W step;          // to try, s
-  W last_error;    // of the last step, to the power of 1/16
+  W last_error;    // of the last step: a root of it, as its method controls it
   W next_level;    // at which a sample is taken
   Mask working{false};
   Mask fresh{false};  // taken up since the last replacement

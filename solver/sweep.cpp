@@ -83,7 +83,8 @@ Sweep::Sweep(SweepSetup setup) : setup_(std::move(setup)), kernels_(&setup_.mode
              std::numeric_limits<double>::max()},
             true);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const bool varies = setup_.inputs[i].kind != Variation::Kind::constant || is_joint[i];
+    const bool varies = setup_.inputs[i].kind != Variation::Kind::constant || is_joint[i] ||
+                        !setup_.inputs[i].shifts.empty();
     add_field(fmt::format("input.{}", inputs[i].name), inputs[i], varies);
   }
   add_field("outcome", whole("", "why the trajectory ended"), true);
@@ -115,16 +116,16 @@ Sweep::Sweep(SweepSetup setup) : setup_(std::move(setup)), kernels_(&setup_.mode
 }
 
 void Sweep::add_field(const std::string& name, soa::Field field, bool stored) {
-  field.name = names_.emplace_back(name);
-  fields_.push_back(field);
+  field.name = fields_->names.emplace_back(name);
+  fields_->list.push_back(field);
   stored_.push_back(stored);
 }
 
 std::vector<std::string> Sweep::outcomes() const {
   std::vector<std::string> names;
   for (const models::Event& event : kernels_->events) names.emplace_back(event.name);
-  for (const Outcome outcome :
-       {Outcome::time_limit, Outcome::step_limit, Outcome::not_finite, Outcome::smallest_step}) {
+  for (const Outcome outcome : {Outcome::time_limit, Outcome::step_limit, Outcome::not_finite,
+                                Outcome::smallest_step, Outcome::not_accurate}) {
     names.emplace_back(name(outcome));
   }
   return names;
@@ -153,6 +154,20 @@ void Sweep::inputs_of(std::uint64_t row, double* const* to, std::size_t at) cons
       to[joint.inputs[k]][at] = value;
     }
   }
+  for (std::size_t i = 0; i < setup_.inputs.size(); ++i) {
+    const std::vector<double>& shifts = setup_.inputs[i].shifts;
+    if (!shifts.empty()) to[i][at] += shifts[point];
+  }
+}
+
+SweepSetup Sweep::at_point(std::uint64_t point) const {
+  SweepSetup setup = setup_;
+  for (const Axis& axis : axes_) {
+    const std::vector<double>& values = setup_.inputs[axis.input].values;
+    setup.inputs[axis.input] = Variation::of(values[point / axis.stride % values.size()]);
+  }
+  for (Variation& input : setup.inputs) input.shifts.clear();
+  return setup;
 }
 
 template <class T>
@@ -198,7 +213,7 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
     kernels.start({end - begin, from.data(), to.data()});
   });
 
-  Batch batch(setup_.model, setup_.precision, count);
+  Batch batch(setup_.model, setup_.precision, count, 0, setup_.data);
   const bool narrow = setup_.precision == soa::Precision::float32;
   narrow ? fill_state<float>(started, batch) : fill_state<double>(started, batch);
   const std::vector<double> end(count, setup_.time_limit);
@@ -233,7 +248,11 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
     return out;
   };
 
-  SweepRows rows{soa::Table(fields_, setup_.precision, stored_), {}, {}, ended.simd_efficiency};
+  SweepRows rows{fields_,
+                 soa::Table(fields_->list, setup_.precision, stored_),
+                 {},
+                 {},
+                 ended.simd_efficiency()};
   std::vector<std::vector<double>> state = columns(states, count);
   for (std::size_t f = 0; f < states; ++f) {
     const std::string_view name = kernels.state_fields[f].name;
@@ -311,7 +330,7 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
 
 std::uint64_t Sweep::bytes_of(std::uint64_t count) const {
   const std::uint64_t columns =
-      2 * fields_.size() + kernels_->parameter_fields.size() +
+      2 * fields_->list.size() + kernels_->parameter_fields.size() +
       levels() * (2 * sample_fields_.size() + kernels_->input_fields.size());
   return count * columns * sizeof(double);
 }

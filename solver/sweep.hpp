@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct JointNormal {
 struct SweepSetup {
   BatchModel model = nullptr;
   soa::Precision precision = soa::Precision::float64;
+  std::shared_ptr<const models::ModelData> data;  ///< what the model is made from
   std::uint64_t seed = 0;
   std::vector<Variation> inputs;  ///< by the model's input fields
   std::vector<JointNormal> joint;
@@ -39,8 +41,15 @@ struct SweepSetup {
   double time_limit = 0;  ///< s; trajectories start at 0
 };
 
+/// The fields of a sweep's rows and their names.
+struct SweepFields {
+  std::deque<std::string> names;
+  std::vector<soa::Field> list;
+};
+
 /// Rows of a sweep: one list of fields, and the samples of each row.
 struct SweepRows {
+  std::shared_ptr<const SweepFields> fields;  ///< of the table, which outlives the sweep
   soa::Table table;
   /// The states and results at the levels of Integration::samples, element row * levels + level.
   std::vector<double> sample_time;
@@ -62,9 +71,13 @@ class Sweep {
   std::uint64_t points() const { return points_; }  ///< of the grid
   std::uint64_t rows() const { return points_ * setup_.samples; }
 
+  /// The setup with the inputs that the grid varies as they are at a point of it, and without their
+  /// shifts.
+  SweepSetup at_point(std::uint64_t point) const;
+
   /// The fields of a row: id, "input.NAME", "outcome", "steps", "grazes", "sampled", "time",
   /// "end.NAME" (states, then results), and "EVENT.time", "EVENT.NAME" of recorded events.
-  std::span<const soa::Field> fields() const { return fields_; }
+  std::span<const soa::Field> fields() const { return fields_->list; }
   /// Of a sample: states, then results.
   std::span<const soa::Field> sample_fields() const { return sample_fields_; }
   std::size_t levels() const { return setup_.integration.samples.levels.size(); }
@@ -102,8 +115,7 @@ class Sweep {
     std::vector<SampleLine> lines;
   };
   std::vector<JointInput> joint_;
-  std::deque<std::string> names_;
-  std::vector<soa::Field> fields_;
+  std::shared_ptr<SweepFields> fields_ = std::make_shared<SweepFields>();
   std::vector<bool> stored_;
   std::vector<soa::Field> sample_fields_;
 };

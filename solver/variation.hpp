@@ -20,9 +20,10 @@ struct Variation {
   double b = 0;
   double lowest = 0;
   double highest = 0;
-  std::vector<double> values;  ///< of a grid or column
+  std::vector<double> values = {};  ///< of a grid or column
+  std::vector<double> shifts = {};  ///< added at each point of the grid; none: nothing is
 
-  static Variation of(double value) { return {Kind::constant, value, 0, 0, 0, {}}; }
+  static Variation of(double value) { return {Kind::constant, value, 0, 0, 0}; }
   bool random() const {
     return kind == Kind::uniform || kind == Kind::normal || kind == Kind::truncated_normal;
   }

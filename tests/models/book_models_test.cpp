@@ -65,7 +65,7 @@ class Trajectory {
   std::unique_ptr<Row> row() const {
     Sweep sweep(setup);
     SweepRows rows = sweep.run(0, 1, {});
-    return std::make_unique<Row>(Row{Sweep(setup), std::move(rows)});
+    return std::make_unique<Row>(Row{std::move(sweep), std::move(rows)});
   }
   static double value(const std::unique_ptr<Row>& row, const std::string& name) {
     const auto fields = row->sweep.fields();

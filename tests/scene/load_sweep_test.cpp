@@ -144,6 +144,64 @@ TEST(SweepScene, WhatDoesNotGoTogetherIsRefused) {
             std::string::npos);
 }
 
+TEST(SweepScene, AnAccuracyHasTheUnitOfTheFirstState) {
+  EXPECT_EQ(parse_sweep(minimal + "accuracy = \"1 mm\"\n", "s").setup.integration.accuracy, 1e-3);
+  EXPECT_NE(mistakes_with("accuracy = \"1 s\"\n").find("a length"), std::string::npos);
+  EXPECT_NE(mistakes_with("accuracy = 0\n").find("out of bounds"), std::string::npos);
+  EXPECT_NE(mistakes_of(minimal + "accuracy = 1\n",
+                        {"integration.absolute_tolerance=0", "integration.relative_tolerance=0",
+                         "integration.method=heun"})
+                .find("knows no error"),
+            std::string::npos);
+}
+
+TEST(SweepScene, AnOwnDragFunctionIsATableThatIsRight) {
+  const auto mistake = [](const std::string& table, const std::string& drag,
+                          const std::string& function = "table") {
+    const std::string path = testing::TempDir() + "salvo_drag.csv";
+    std::ofstream(path) << table;
+    try {
+      parse_sweep(minimal + "[drag]\n" + drag + "\n", testing::TempDir() + "scene.toml",
+                  {"projectile.drag_function=" + function});
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no mistake");
+  };
+  const std::string right = "mach,cd\n0.5,0.2\n1,0.4\n2,0.3\n";
+  const std::string given = "table = \"salvo_drag.csv\"";
+  EXPECT_EQ(mistake(right, given), "no mistake");
+  EXPECT_EQ(mistake(right, "interpolation = \"linear\"", "G7"), "no mistake");
+  EXPECT_NE(mistake("mach,cd\n0.5,0.2\n1,0.4\n0.9,0.3\n", given)
+                .find("row 3 of " + testing::TempDir() + "salvo_drag.csv: Mach 0.9 comes after 1"),
+            std::string::npos);
+  EXPECT_NE(mistake("mach,cd\n0.5,0.2\n1,-1\n2,0.3\n", given).find("drag coefficient of -1"),
+            std::string::npos);
+  EXPECT_NE(
+      mistake("mach,cd\n0.5,0.2\n1,x\n2,0.3\n", given).find("salvo_drag.csv:3: column \"cd\""),
+      std::string::npos);
+  EXPECT_NE(mistake("mach,c\n0.5,0.2\n1,1\n2,0.3\n", given).find("has no column \"cd\""),
+            std::string::npos);
+  EXPECT_NE(mistake(right, "table = \"none.csv\"").find("cannot read"), std::string::npos);
+  EXPECT_NE(mistake(right, given, "G7").find("no trajectory has this drag function"),
+            std::string::npos);
+  EXPECT_NE(mistake(right, "").find("the drag function is a table, but there is none"),
+            std::string::npos);
+  EXPECT_NE(mistakes_of("[lorenz]\n[drag]\ninterpolation = \"linear\"\n[integration]\nstep = "
+                        "1\ntime_limit = 1\n")
+                .find("the model lorenz has no drag function"),
+            std::string::npos);
+}
+
+TEST(SweepScene, WhatADragFunctionIsDecidesTheRows) {
+  const auto digest = [](const std::string& more) {
+    return row_digest(parse_sweep(minimal + more, "s"));
+  };
+  EXPECT_EQ(digest("[drag]\ninterpolation = \"linear\"\n"),
+            digest("[drag]\ninterpolation = \"linear\"\n"));
+  EXPECT_NE(digest(""), digest("[drag]\ninterpolation = \"linear\"\n"));
+}
+
 TEST(SweepScene, SamplesTakeTheUnitOfWhatTheyAreOf) {
   const SweepScene scene =
       parse_sweep(minimal + "[samples]\nof = \"x\"\nto = \"100 yd\"\nevery = \"25 yd\"\n", "s");
@@ -286,6 +344,84 @@ quantity = "end.z"
     }
   }
   EXPECT_LT(of(scene, "azimuth").a, 0);  // into the wind, which blows to the right
+}
+
+TEST(Solve, EachPointOfAGridHasItsOwnRoot) {
+  const auto scene_with = [](const std::string& speeds, const std::string& elevation) {
+    return parse_sweep("[projectile]\nspeed = " + speeds + "\nelevation = " + elevation + R"(
+y = -0.04
+range = 300
+ballistic_coefficient = [150, 250]
+[sweep]
+samples = 3
+[integration]
+step = 0.05
+absolute_tolerance = 1e-9
+relative_tolerance = 1e-9
+time_limit = 10
+[[solve]]
+input = "elevation"
+between = ["0 deg", "5 deg"]
+quantity = "end.y"
+each_point = true
+)",
+                       "s");
+  };
+  const std::string angles = "{ normal = [1e-3, 1e-4] }";
+  const SweepScene scene = scene_with("[700, 800, 900]", angles);
+  ASSERT_EQ(scene.solved.size(), 1U);
+  ASSERT_EQ(scene.solved[0].by_point.size(), 6U);
+  // The ballistic coefficient is the later input: it varies faster.
+  const SweepScene alone = scene_with("800", angles);
+  EXPECT_EQ(alone.solved[0].by_point[0], scene.solved[0].by_point[2]);
+  EXPECT_EQ(alone.solved[0].by_point[1], scene.solved[0].by_point[3]);
+  EXPECT_NE(row_digest(scene), row_digest(alone));
+  // A point's rows are its root and the same draws.
+  const solver::Sweep sweep(scene.setup);
+  const solver::SweepRows rows = sweep.run(0, 18, {});
+  std::size_t elevation = 0;
+  while (sweep.fields()[elevation].name != "input.elevation") ++elevation;
+  const double* drawn = rows.table.column<double>(elevation);
+  for (std::size_t row = 0; row < 18; ++row) {
+    EXPECT_NEAR(drawn[row] - scene.solved[0].by_point[row % 6],
+                drawn[row - row % 6] - scene.solved[0].by_point[0], 1e-17);
+  }
+  // Without a spread all rows strike the aim.
+  const SweepScene exact = [&] {
+    SweepScene without = scene;
+    without.setup.inputs[input(scene, "elevation")].b = 0;
+    return without;
+  }();
+  const solver::Sweep struck(exact.setup);
+  const solver::SweepRows strikes = struck.run(0, 6, {});
+  std::size_t height = 0;
+  while (struck.fields()[height].name != "end.y") ++height;
+  for (std::size_t row = 0; row < 6; ++row) {
+    EXPECT_NEAR(strikes.table.column<double>(height)[row], 0, 1e-9);
+  }
+}
+
+TEST(Solve, APointOfAGridWithoutARootIsNamed) {
+  const std::string text = R"([shot_in_air]
+speed = [100, 50]
+[integration]
+step = 0.1
+absolute_tolerance = 1e-9
+time_limit = 100
+[[solve]]
+input = "elevation"
+between = [0.01, 1.56]
+quantity = "end.x"
+equals = 500
+)";
+  const std::string each = mistakes_of(text, {"shot_in_air.ground=0", "solve.0.each_point=true"});
+  EXPECT_NE(each.find("brings end.x to 500 m, at point 1 of the grid"), std::string::npos) << each;
+  const std::string mixed =
+      mistakes_of(text +
+                      "[[solve]]\ninput = \"azimuth\"\nbetween = [-1, 1]\nquantity = "
+                      "\"end.z\"\neach_point = true\n",
+                  {"shot_in_air.ground=0"});
+  EXPECT_NE(mixed.find("another is not"), std::string::npos) << mixed;
 }
 
 TEST(Solve, WithOtherInputsThanTheRunIsTheZeroOfARifle) {
