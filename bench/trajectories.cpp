@@ -1,8 +1,10 @@
 // Trajectories a second, each by itself to its own end: fixed steps of a shot with drag and of the
-// Lorenz equations, and rows whose durations are spread tenfold; beside Boost.odeint on the same
-// problems, in the same run.
+// Lorenz equations, and rows whose durations are spread tenfold; beside Boost.odeint and SUNDIALS
+// on the same problems, in the same run.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,6 +12,9 @@
 #include "solver/models.hpp"
 #ifdef SALVO_BENCH_ODEINT
 #include "bench/odeint_peer.hpp"
+#endif
+#ifdef SALVO_BENCH_SUNDIALS
+#include "bench/sundials_peer.hpp"
 #endif
 
 namespace salvo::bench {
@@ -22,6 +27,7 @@ using solver::Isa;
 using solver::Method;
 
 constexpr std::size_t rows = 16384;
+[[maybe_unused]] constexpr std::size_t peer_rows = rows / 16;
 constexpr std::int64_t steps = 1000;
 // Keep the worst impact of 16,384 shots within 1 mm of that of a tolerance of 1e-12. An absolute
 // one of 0.1 mm, because the relative one says nothing about a drift to the side that begins at
@@ -94,22 +100,35 @@ std::vector<double> ends_of(const Problem& problem) {
   return end;
 }
 
-// The worst distance of an impact from that of a tolerance of 1e-12, in m.
-double worst_impact(const Problem& problem, Integration integration, Isa isa, int threads) {
-  const std::vector<double> end = ends_of(problem);
+using Impact = std::array<double, 3>;
+
+std::vector<Impact> impacts(const Problem& problem, const Integration& integration, Isa isa,
+                            int threads) {
   Batch batch = problem.make();
-  Batch exact = problem.make();
-  batch.integrate(end, integration, isa, threads);
-  integration.absolute_tolerance = integration.relative_tolerance = 1e-12;
-  exact.integrate(end, integration, isa, threads);
-  double worst = 0;
+  batch.integrate(ends_of(problem), integration, isa, threads);
+  std::vector<Impact> all(rows);
   for (std::size_t row = 0; row < rows; ++row) {
-    const auto off = [&](const char* field) {
-      return batch.column<double>(field)[row] - exact.column<double>(field)[row];
-    };
-    worst = std::max(worst, std::hypot(off("x"), off("y"), off("z")));
+    const auto at = [&](const char* field) { return batch.column<double>(field)[row]; };
+    all[row] = {at("x"), at("y"), at("z")};
   }
-  return worst;
+  return all;
+}
+
+// The worst distance of an impact, of the first rows, from that of a tolerance of 1e-12, in mm.
+double worst_error_mm(const std::vector<Impact>& reached, const Problem& problem) {
+  Integration converged;
+  converged.method = problem.method;
+  converged.step = problem.dt;
+  converged.absolute_tolerance = converged.relative_tolerance = 1e-12;
+  // The same bits whatever computes them, so by the fastest.
+  const std::vector<Impact> exact =
+      impacts(problem, converged, solver::widest_isa(), solver::hardware_threads());
+  double worst = 0;
+  for (std::size_t row = 0; row < reached.size(); ++row) {
+    const auto off = [&](std::size_t i) { return reached[row][i] - exact[row][i]; };
+    worst = std::max(worst, std::hypot(off(0), off(1), off(2)));
+  }
+  return 1e3 * worst;
 }
 
 void measure(benchmark::State& state, const Problem& problem, Isa isa, int threads) {
@@ -140,13 +159,13 @@ void measure(benchmark::State& state, const Problem& problem, Isa isa, int threa
   state.counters["steps_per_second"] = taken / typical;
   state.counters["simd_efficiency"] = efficiency;
   if (problem.absolute > 0) {
-    state.counters["worst_error_mm"] = 1e3 * worst_impact(problem, integration, isa, threads);
+    state.counters["worst_error_mm"] =
+        worst_error_mm(impacts(problem, integration, isa, threads), problem);
   }
 }
 
 #ifdef SALVO_BENCH_ODEINT
-void measure_peer(benchmark::State& state, const Problem& problem) {
-  constexpr std::size_t peer_rows = rows / 16;
+void measure_odeint(benchmark::State& state, const Problem& problem) {
   std::vector<double> seconds;
   double kept = 0;
   for (auto _ : state) {
@@ -177,6 +196,32 @@ void measure_peer(benchmark::State& state, const Problem& problem) {
 }
 #endif
 
+#ifdef SALVO_BENCH_SUNDIALS
+void measure_sundials(benchmark::State& state, const Problem& problem) {
+  Batch batch = problem.make();
+  std::vector<PeerG7Shot> shots(peer_rows);
+  std::vector<double> seconds;
+  for (auto _ : state) {
+    for (std::size_t row = 0; row < peer_rows; ++row) {
+      const auto at = [&](const char* field) { return batch.column<double>(field)[row]; };
+      shots[row] = {{at("x"), at("y"), at("z"), at("vx"), at("vy"), at("vz")},
+                    at("wind_z"),
+                    at("drag_factor"),
+                    at("range")};
+    }
+    const double start = now();
+    sundials_shot_g7(shots.data(), peer_rows, problem.dt, problem.dt * static_cast<double>(steps));
+    seconds.push_back(now() - start);
+  }
+  std::vector<Impact> reached(peer_rows);
+  for (std::size_t row = 0; row < peer_rows; ++row) {
+    std::copy_n(shots[row].state.begin(), 3, reached[row].begin());
+  }
+  state.counters["items_per_second"] = static_cast<double>(peer_rows) / median(seconds);
+  state.counters["worst_error_mm"] = worst_error_mm(reached, problem);
+}
+#endif
+
 }  // namespace
 
 void register_trajectories() {
@@ -192,12 +237,17 @@ void register_trajectories() {
             ->Unit(benchmark::kMillisecond);
       }
     }
+    [[maybe_unused]] const auto beside = [&problem](const char* peer, auto measure_peer) {
+      benchmark::RegisterBenchmark(
+          fmt::format("peer/{}/{}", peer, problem.name).c_str(),
+          [&problem, measure_peer](benchmark::State& state) { measure_peer(state, problem); })
+          ->Unit(benchmark::kMillisecond);
+    };
 #ifdef SALVO_BENCH_ODEINT
-    if (problem.shortest < 1 || problem.absolute > 0) continue;
-    benchmark::RegisterBenchmark(
-        fmt::format("peer/odeint/{}", problem.name).c_str(),
-        [&problem](benchmark::State& state) { measure_peer(state, problem); })
-        ->Unit(benchmark::kMillisecond);
+    if (problem.shortest == 1 && problem.absolute == 0) beside("odeint", &measure_odeint);
+#endif
+#ifdef SALVO_BENCH_SUNDIALS
+    if (problem.absolute > 0) beside("sundials", &measure_sundials);
 #endif
   }
 }

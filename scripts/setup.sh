@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs the Debian 12 packages that are missing, as root or through sudo; without either, prints the exact apt line and
 # stops. Instant when nothing is missing.
-# usage: scripts/setup.sh GROUP...     groups: build bench test clang arm64
+# usage: scripts/setup.sh GROUP...     groups: build bench peers test clang arm64
 # shellcheck disable=SC2086,SC2116
 set -eu
 
@@ -9,6 +9,9 @@ set -eu
 build="cmake ninja-build g++ libxsimd-dev libsleef-dev libtbb-dev libxxhash-dev libtomlplusplus-dev libfmt-dev
   libeigen3-dev librandom123-dev libhdf5-dev zlib1g-dev libcli11-dev nlohmann-json3-dev"
 bench="libbenchmark-dev libboost-dev python3"
+# What the benchmarks are compared with and no test needs: libsundials-dev brings over a hundred packages, MPI and PETSc among
+# them.
+peers="libsundials-dev"
 test="libboost-dev libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
   python3 python3-numpy python3-h5py python3-vtk9"
 clang="clang"
@@ -22,10 +25,11 @@ for group; do
   case $group in
     build) wanted="$wanted $build" ;;
     bench) wanted="$wanted $bench" ;;
+    peers) wanted="$wanted $peers" ;;
     test) wanted="$wanted $test" ;;
     clang) wanted="$wanted $clang" ;;
     arm64) wanted="$wanted $arm64"; foreign=arm64 ;;
-    *) echo "setup.sh: unknown group \"$group\": build, bench, test, clang or arm64" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown group \"$group\": build, bench, peers, test, clang or arm64" >&2; exit 2 ;;
   esac
 done
 
