@@ -12,6 +12,8 @@
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "recording/errors.hpp"
+#include "recording/hdf5_table.hpp"
+#include "scene/input_table.hpp"
 #include "scene/load.hpp"
 
 namespace salvo::cli {
@@ -97,6 +99,7 @@ ExitStatus guarded(int argc, char** argv) {
 }  // namespace salvo::cli
 
 int main(int argc, char** argv) {
+  salvo::scene::open_hdf5_tables_with(&salvo::recording::open_hdf5_table);
   try {
     return static_cast<int>(salvo::cli::guarded(argc, argv));
   } catch (const std::exception& error) {  // stdout is gone

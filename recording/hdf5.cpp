@@ -332,14 +332,23 @@ std::string read_text_attribute(hid_t object, const std::string& name) {
 std::vector<std::string> read_texts_attribute(hid_t object, const std::string& name) {
   const Handle attribute = open_attribute(object, name);
   const Handle type(H5Aget_type(attribute), "read attribute " + name);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) {
-    throw Error(fmt::format("attribute {} is not a text of fixed length", name));
+  if (H5Tget_class(type) != H5T_STRING) {
+    throw Error(fmt::format("attribute {} is not a text", name));
   }
   const std::size_t length = H5Tget_size(type);
   const std::size_t count = count_of(attribute);
-  std::string packed(count * length, '\0');
   std::vector<std::string> texts;
   if (count == 0) return texts;
+  if (H5Tis_variable_str(type) > 0) {
+    std::vector<char*> read(count);
+    checked(H5Aread(attribute, type, read.data()), "read attribute " + name);
+    for (char* text : read) {
+      texts.emplace_back(text != nullptr ? text : "");
+      H5free_memory(text);
+    }
+    return texts;
+  }
+  std::string packed(count * length, '\0');
   checked(H5Aread(attribute, type, packed.data()), "read attribute " + name);
   for (std::size_t i = 0; i < count; ++i) {
     std::string text = packed.substr(i * length, length);

@@ -158,6 +158,7 @@ std::array<T, n> read_array_attribute(hid_t object, const std::string& name) {
   read_attribute(object, name, type_of<T>(), n, values.data());
   return values;
 }
+/// Of fixed or, from other programs, variable length.
 std::string read_text_attribute(hid_t object, const std::string& name);
 std::vector<std::string> read_texts_attribute(hid_t object, const std::string& name);
 

@@ -1,14 +1,12 @@
 #include "scene/csv_table.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
 
-#include "scene/nearest.hpp"
 #include "scene/units.hpp"
 
 namespace salvo::scene {
@@ -67,14 +65,9 @@ CsvTable::CsvTable(std::string path) : path_(std::move(path)) {
   if (cells_.empty()) throw TableError(path_ + " has no rows", "expected a header and numbers");
 }
 
-std::vector<double> CsvTable::column(const std::string& name, const std::string& unit) const {
+std::vector<double> CsvTable::column(const std::string& name, const std::string& unit) {
   const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) {
-    const std::vector<std::string_view> known(names_.begin(), names_.end());
-    std::string hint = did_you_mean(name, known);
-    if (hint.empty()) hint = "it has " + fmt::format("{}", fmt::join(names_, ", "));
-    throw TableError(fmt::format("{} has no column \"{}\"", path_, name), hint);
-  }
+  if (found == names_.end()) throw no_such_column(path_, "column", name, names_);
   const auto index = static_cast<std::size_t>(found - names_.begin());
   std::vector<double> values;
   for (std::size_t row = 0; row < cells_.size(); ++row) {

@@ -2,33 +2,21 @@
 // brackets ("speed [fps]"), then a line a row.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "scene/input_table.hpp"
+
 namespace salvo::scene {
 
-/// what() says which line and column of the file is wrong, and how; hint() what to do.
-class TableError : public std::runtime_error {
- public:
-  TableError(const std::string& problem, std::string hint)
-      : std::runtime_error(problem), hint_(std::move(hint)) {}
-  const std::string& hint() const { return hint_; }
-
- private:
-  std::string hint_;
-};
-
-class CsvTable {
+class CsvTable : public InputTable {
  public:
   /// Reads a file. Throws TableError.
   explicit CsvTable(std::string path);
 
   std::size_t rows() const { return cells_.size(); }
   const std::vector<std::string>& names() const { return names_; }
-  /// A column's numbers as multiples of `unit`: of the header's unit, else of `unit` itself. Throws
-  /// TableError.
-  std::vector<double> column(const std::string& name, const std::string& unit) const;
+  std::vector<double> column(const std::string& name, const std::string& unit) override;
 
  private:
   std::string path_;

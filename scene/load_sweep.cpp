@@ -7,10 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 
 #include "kernels/lane.hpp"
-#include "scene/csv_table.hpp"
 #include "scene/document.hpp"
+#include "scene/input_table.hpp"
 #include "scene/mistakes.hpp"
 #include "scene/nearest.hpp"
 #include "scene/scene_keys.hpp"
@@ -140,7 +141,7 @@ class SweepCompletion {
     }
     try {
       if (!table_) {
-        table_.emplace(beside_scene(keys_.table));
+          table_ = open_table(beside_scene(keys_.table));
       }
       input.values = table_->column(column, std::string(field.unit));
     } catch (const TableError& error) {
@@ -179,9 +180,9 @@ class SweepCompletion {
     std::vector<models::DragPoint> points;
     if (given) {
       try {
-        const CsvTable table(beside_scene(keys_.drag->table));
-        const std::vector<double> mach = table.column(keys_.drag->mach, "");
-        const std::vector<double> coefficient = table.column(keys_.drag->coefficient, "");
+        const std::unique_ptr<InputTable> table = open_table(beside_scene(keys_.drag->table));
+        const std::vector<double> mach = table->column(keys_.drag->mach, "");
+        const std::vector<double> coefficient = table->column(keys_.drag->coefficient, "");
         for (std::size_t i = 0; i < mach.size(); ++i) points.push_back({mach[i], coefficient[i]});
       } catch (const TableError& error) {
         fail("drag.table", error.what(), error.hint());
@@ -606,7 +607,7 @@ class SweepCompletion {
   Mistakes& mistakes_;
   Reader reader_;
   const solver::BatchKernels* kernels_ = nullptr;
-  std::optional<CsvTable> table_;
+  std::unique_ptr<InputTable> table_;
 };
 
 bool is_sweep(const Value& root) {

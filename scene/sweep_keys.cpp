@@ -77,8 +77,8 @@ const Section<SweepKeys>& draw_section() {
                {"sobol", Sampling::sobol,
                 "a low-discrepancy sequence; more samples keep the first ones"}}),
           of.key("table", "", &SweepKeys::table,
-                 "CSV file, beside the scene, whose columns inputs may be: one header line, a unit "
-                 "in brackets behind a name"),
+                 "CSV or HDF5 (.hdf, .h5, .hdf5) file, beside the scene, whose columns inputs may "
+                 "be"),
       });
   return section;
 }

@@ -286,6 +286,18 @@ TEST_F(Table, ABadCellOrColumnIsNamedWithItsPlace) {
             std::string::npos);
 }
 
+TEST_F(Table, AnHdf5FileIsRefusedByAProgramThatReadsNone) {
+  for (const char* name : {"shots.hdf", "shots.h5", "shots.HDF5"}) {
+    std::string text = text_;
+    text.replace(text.find("shots.csv"), 9, name);
+    const std::string mistake = mistakes_of(text, {}, with("v,height\n1,2\n"));
+    EXPECT_NE(mistake.find(std::string(name) + ": this program reads no HDF5 files"),
+              std::string::npos)
+        << mistake;
+    EXPECT_NE(mistake.find("expected a CSV file"), std::string::npos) << mistake;
+  }
+}
+
 // sin(2 e) = g x / v^2 without air, which has a flat and a steep root.
 TEST(Solve, ElevationForARangeInVacuum) {
   const auto elevation = [](const std::string& root) {
