@@ -6,6 +6,7 @@
 #include "recording/column_reader.hpp"
 #include "recording/field_dataset.hpp"
 #include "recording/sealed_hdf5.hpp"
+#include "recording/sweep_conventions.hpp"
 #include "scene/words.hpp"
 
 namespace salvo::recording {
@@ -95,6 +96,7 @@ void write_part(const std::filesystem::path& path, const scene::SweepScene& scen
       write(sweep.sample_fields()[f], rows.samples[f]);
     }
   }
+  write_conventions(file, scene, sweep);
   {
     const Handle salvo = hdf5::create_group(file, "salvo");
     write_attribute(salvo, "first", std::uint64_t{table.rows() == 0 ? 0 : table.ids()[0]});

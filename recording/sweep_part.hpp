@@ -1,5 +1,5 @@
 // One file of a sweep's rows: Sweep::part_rows of them, fewer in the last. A field "end.x" is the
-// dataset /end/x; samples are /samples/NAME[row, level].
+// dataset /end/x; samples are /samples/NAME[row, level], at the levels /samples/level.
 #pragma once
 
 #include <cstdint>

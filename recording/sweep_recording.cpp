@@ -8,6 +8,7 @@
 #include "recording/field_dataset.hpp"
 #include "recording/output_file.hpp"
 #include "recording/sealed_file.hpp"
+#include "recording/sweep_conventions.hpp"
 #include "scene/words.hpp"
 
 namespace salvo::recording {
@@ -145,6 +146,7 @@ void SweepRecording::write_index(const std::vector<PartDigest>& parts) const {
       add("/samples/" + std::string(field.name), field, soa::Precision::float64, extents);
     }
   }
+  write_conventions(file, scene_, sweep_);
   {
     const hdf5::Handle salvo = hdf5::create_group(file, "salvo");
     write_attribute(salvo, "rows", rows);

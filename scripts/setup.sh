@@ -13,7 +13,7 @@ bench="libbenchmark-dev libboost-dev python3"
 # them.
 peers="libsundials-dev"
 test="libboost-dev libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
-  python3 python3-numpy python3-h5py python3-vtk9"
+  python3 python3-numpy python3-h5py python3-vtk9 python3-pandas python3-xarray python3-h5netcdf python3-netcdf4"
 clang="clang"
 # Only this group adds a foreign architecture. HDF5 is not in it: its two architectures exclude each other.
 arm64="g++-aarch64-linux-gnu qemu-user libxsimd-dev:arm64 libsleef-dev:arm64 libtbb-dev:arm64 libxxhash-dev:arm64

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""HDF5 between sweeps and other programs: what h5py writes becomes the inputs of a sweep.
+"""HDF5 between sweeps and other programs: what h5py writes becomes the inputs of a sweep, and what a sweep writes opens
+in pandas and xarray.
 
 usage: sweep_hdf5_test.py SALVO [unittest arguments]
 """
@@ -7,11 +8,14 @@ import os
 import sys
 import unittest
 
-import cli_test
-from cli_test import Case
-
 import h5py
 import numpy
+import pandas
+import xarray
+
+import cli_test
+from cli_test import Case
+from sweep_test import SCENE
 
 FROM_TABLE = """\
 [shot_in_air]
@@ -81,6 +85,112 @@ class Inputs(Case):
         self.assertIn('inputs.h5: dataset "load/speed" is nan in row 1001', result.stderr)
         (self.dir / "inputs.h5").unlink()
         self.assertIn("No such file", self.salvo("validate", "shots.toml", status=3).stderr)
+
+
+class Outputs(Case):
+    """The files are those of netCDF-4 to xarray, whichever of its two readers it has."""
+
+    ROWS = 70_000  # two parts, the last not full
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        # One sweep for all tests; the methods of a case need an instance.
+        cls.case = case = Case()
+        case.setUp()
+        cls.addClassCleanup(case.doCleanups)
+        case.write("sweep.toml", SCENE)
+        case.salvo("run", "sweep.toml", "--set", f"sweep.samples={cls.ROWS}")
+        case.salvo("export", "out/sweep", "--format", "csv")
+        cls.out = case.dir / "out/sweep"
+        # pandas' usual reading of numbers is off by a bit here and there.
+        cls.csv = pandas.read_csv(cls.out / "csv/trajectories.csv", index_col="id", float_precision="round_trip")
+        cls.csv.columns = [title.partition(" [")[0] for title in cls.csv.columns]
+
+    def opened(self, name, group=None, engine=None):
+        file = xarray.open_dataset(self.out / name, group=group, engine=engine)
+        self.addCleanup(file.close)
+        return file
+
+    def check_columns(self, name, engine, ids):
+        rows = self.csv.loc[ids]
+        root = self.opened(name, engine=engine)
+        self.assertEqual(dict(root.sizes), {"id": len(ids)})
+        self.assertTrue(numpy.array_equal(root.indexes["id"], ids))
+        outcomes = numpy.array(self.opened(name, "salvo", engine).attrs["outcomes"])
+        seen = {"id"}
+        for group in (None, "input", "end", "apex"):
+            file = self.opened(name, group, engine)
+            table = file.to_dataframe()
+            for column in table.columns:
+                full = f"{group}.{column}" if group else column
+                self.assertEqual(file[column].dims, ("id",))
+                values = outcomes[table[column]] if full == "outcome" else table[column].to_numpy()
+                numpy.testing.assert_array_equal(values, rows[full].to_numpy(), full)
+                seen.add(full)
+        self.assertEqual(seen, {"id", *self.csv.columns})
+
+    def test_columns_are_those_of_the_csv_file(self):
+        self.assertEqual(len(self.csv), self.ROWS)
+        self.assertTrue(self.csv["apex.y"].isna().any())  # rows that end on their way up
+        for engine in ("netcdf4", "h5netcdf"):
+            for name, first, last in (("trajectories.hdf", 0, self.ROWS), ("rows_000000.hdf", 0, 65_536),
+                                      ("rows_000001.hdf", 65_536, self.ROWS)):
+                with self.subTest(f"{name} by {engine}"):
+                    self.check_columns(name, engine, numpy.arange(first, last))
+
+    def test_samples_are_over_rows_and_levels(self):
+        alone = self.case.document("run", "sweep.toml", "--index", 1)["trajectories"][0]["samples"]
+        for engine in ("netcdf4", "h5netcdf"):
+            for name, rows in (("trajectories.hdf", self.ROWS), ("rows_000000.hdf", 65_536)):
+                with self.subTest(f"{name} by {engine}"):
+                    samples = self.opened(name, "samples", engine)
+                    self.assertEqual(dict(samples.sizes), {"id": rows, "level": 2})
+                    self.assertEqual(samples.indexes["level"].to_list(), [1, 5])
+                    self.assertEqual(samples.level.attrs["units"], "s")
+                    self.assertEqual({samples[name].dims for name in samples.data_vars}, {("id", "level")})
+                    self.assertTrue((samples.time.sel(level=1) == 1).all())
+                    for column, values in alone.items():
+                        numpy.testing.assert_array_equal(samples[column].isel(id=1), numpy.array(values, float), column)
+
+    def test_samples_of_a_state_have_its_unit(self):
+        self.write("few.toml", SCENE.replace("levels = [1, 5]", 'of = "x"\nlevels = [100, 200]'))
+        self.salvo("run", "few.toml", "--set", "sweep.samples=3")
+        with xarray.open_dataset(self.dir / "out/few/trajectories.hdf", group="samples") as samples:
+            self.assertEqual(samples.level.attrs["units"], "m")
+            numpy.testing.assert_allclose(samples.x.sel(level=200), 200, rtol=1e-9)
+
+    def test_a_file_says_what_it_is(self):
+        root = self.opened("trajectories.hdf")
+        self.assertEqual(root.attrs["Conventions"], "CF-1.10")
+        self.assertEqual(root.attrs["title"], "a test")
+        self.assertRegex(root.attrs["source"], r"^salvo \d+\.\d+\.\d+, model shot_in_air$")
+        self.assertEqual(root.attrs, self.opened("rows_000001.hdf").attrs)
+        end = self.opened("trajectories.hdf", "end")
+        self.assertEqual(end.speed.attrs["units"], "m/s")
+        merged = xarray.merge([root, end.x])
+        self.assertEqual(float(merged.x.sel(id=69_999)), self.csv.loc[69_999, "end.x"])
+
+    def test_scales_are_those_of_hdf5(self):
+        for name in ("trajectories.hdf", "rows_000001.hdf"):
+            with h5py.File(self.out / name) as file:
+                for scale, count in (("id", len(self.csv.columns) + len(file["samples"]) - 1),
+                                     ("samples/level", len(file["samples"]) - 1)):
+                    self.assertTrue(h5py.h5ds.is_scale(file[scale].id))
+                    users = [(file[user].name, dimension) for user, dimension in file[scale].attrs["REFERENCE_LIST"]]
+                    self.assertEqual(len(set(users)), count)
+                    for user, dimension in users:
+                        self.assertEqual(file[user].dims[dimension][0], file[scale])
+
+    def test_bytes_do_not_depend_on_what_memory_held(self):
+        for byte in ("85", "170"):  # glibc fills what it gives out, and what it takes back with the complement
+            self.case.environment["MALLOC_PERTURB_"] = byte
+            self.addCleanup(self.case.environment.pop, "MALLOC_PERTURB_", None)
+            self.case.salvo("run", "sweep.toml", "--set", f"sweep.samples={self.ROWS}", "--out", f"filled{byte}")
+            files = sorted((self.case.dir / f"filled{byte}").glob("*.hdf"))
+            self.assertEqual([path.name for path in files], ["rows_000000.hdf", "rows_000001.hdf", "trajectories.hdf"])
+            for path in files:
+                self.assertTrue(path.read_bytes() == (self.out / path.name).read_bytes(), path.name)
 
 
 if __name__ == "__main__":

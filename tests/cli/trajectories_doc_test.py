@@ -15,11 +15,6 @@ import sys
 import tempfile
 import unittest
 
-try:
-    import h5py
-except ImportError:
-    h5py = None
-
 SALVO = None
 REPOSITORY = None
 MOST_SAMPLES = 2000
@@ -123,8 +118,7 @@ class Page(unittest.TestCase):
                 self.assertEqual(result.returncode, 0, f"{text}\n{result.stdout}\n{result.stderr}")
                 output, command = result.stdout, text
             elif language == "python":
-                # h5py is not installed everywhere.
-                output, command = self.run_python(text) if h5py else None, text
+                output, command = self.run_python(text), text
             elif language == "text" and output is not None:
                 rest = text if text.rstrip().endswith("...") else text + "...\n"
                 self.assert_output(rest, output, command)
