@@ -13,7 +13,7 @@ class ModelData {
   ModelData() = default;
   ModelData(const ModelData&) = delete;
   ModelData& operator=(const ModelData&) = delete;
-  virtual ~ModelData() = default;
+  virtual ~ModelData();  // in a source: its type is one for all instruction sets
   /// What decides the bits of a row: equal data have equal numbers.
   virtual std::span<const double> numbers() const = 0;
 };

@@ -141,7 +141,7 @@ class SweepCompletion {
     }
     try {
       if (!table_) {
-          table_ = open_table(beside_scene(keys_.table));
+        table_ = open_table(beside_scene(keys_.table));
       }
       input.values = table_->column(column, std::string(field.unit));
     } catch (const TableError& error) {

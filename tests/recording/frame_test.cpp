@@ -97,7 +97,8 @@ TEST_P(FrameOf, AllFieldsIsReadBackExactly) {
 INSTANTIATE_TEST_SUITE_P(Precisions, FrameOf,
                          testing::Values(soa::Precision::float32, soa::Precision::float64),
                          [](const auto& parameter) {
-                           return parameter.param == soa::Precision::float32 ? "Float32" : "Float64";
+                           return parameter.param == soa::Precision::float32 ? "Float32"
+                                                                             : "Float64";
                          });
 
 TEST(Frame, HoldsOnlyTheChosenColumns) {

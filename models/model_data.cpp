@@ -1,0 +1,7 @@
+#include "models/model_data.hpp"
+
+namespace salvo::models {
+
+ModelData::~ModelData() = default;
+
+}  // namespace salvo::models
