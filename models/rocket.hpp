@@ -1,5 +1,6 @@
 // A rocket of up to three stages: thrust m' u against gravity and drag in the standard atmosphere,
-// along its velocity once it moves.   [Bourg & Bywalec 6.4]
+// along its velocity and, as long as it is slow, its launch: along v + 1 m/s in the direction of
+// the launch, which turns without a jump.   [Bourg & Bywalec 6.4]
 //
 //   m v' = m' u - 1/2 rho (Cd A) |v| v - m g,     m' = (propellant/burn time) (1 + a (1 - 2 s))
 //
@@ -88,20 +89,17 @@ struct Rocket {
     using Vec = kernels::Vec3<V>;
     const Vec velocity{s[3], s[4], s[5]};
     const V speed = norm(velocity);
-    const auto moves = speed > V(1);
-    const V divisor = select(moves, speed, V(1));
-    const auto along = [&](V launch, V component) {
-      return select(moves, component / divisor, launch);
-    };
-    const Vec direction{along(p[22], velocity.x), along(p[23], velocity.y),
-                        along(p[24], velocity.z)};
+    const Vec forward = velocity + Vec{p[22], p[23], p[24]};
+    const V length = norm(forward);
+    // One that falls back at the speed of the launch's direction points nowhere: it has no thrust.
+    const Vec direction = forward * select(length > V(0), V(1) / length, V(0));
     const V radius(atmosphere_radius);
     const V height = s[1] + p[4];
     const CubicPlace<V> place(tables.density, radius * height / (radius + height));
     const V density = place.value(tables.density.coefficients());
     const Burning now = burning(t, p);
-    const V drag = V(0.5) * density * p[1] * speed * speed;
-    const Vec a = direction * ((now.thrust - select(moves, drag, V(0))) / now.mass);
+    const V drag = V(0.5) * density * p[1] * speed;
+    const Vec a = (direction * now.thrust - velocity * drag) * (V(1) / now.mass);
     const V nearer = V(1) + p[3] * s[1];
     return {s[3], s[4], s[5], a.x, a.y - p[2] / (nearer * nearer), a.z};
   }

@@ -306,6 +306,11 @@ class SweepCompletion {
       KeyText key = like(kernels_->state_fields[0], "accuracy", false);
       key.bounds = positive;
       read(given.accuracy, key, integration.accuracy);
+      if (keys_.setup.precision == soa::Precision::float32) {
+        fail("integration.accuracy",
+             "single precision has too few digits for an accuracy of the end",
+             "expected precision = \"double\", or tolerances");
+      }
     }
     integration.most_steps = given.most_steps;
     keys_.setup.time_limit = given.time_limit;

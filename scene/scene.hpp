@@ -54,6 +54,6 @@ struct Scene : SceneText {
 solver::Digest scene_digest(const SceneText& scene);
 
 /// Version of the bits: changes when any scene's bits change on purpose.
-inline constexpr int contract_version = 1;
+inline constexpr int contract_version = 2;
 
 }  // namespace salvo::scene

@@ -81,7 +81,6 @@ Batch::Columns<T> Batch::columns_of(const BatchKernels& kernels) {
   return columns;
 }
 
-template Batch::Columns<float> Batch::columns_of(const BatchKernels&);
 template Batch::Columns<double> Batch::columns_of(const BatchKernels&);
 
 template <class T>
@@ -260,9 +259,10 @@ Integrated Batch::integrate(std::span<const double> end, const Integration& inte
     refuse("the samples' levels must ascend");
   }
   if (integration.accuracy == 0) return integrate_once(end, integration, isa, threads);
-  return table_.precision() == soa::Precision::float32
-             ? integrate_until_accurate<float>(end, integration, isa, threads)
-             : integrate_until_accurate<double>(end, integration, isa, threads);
+  if (table_.precision() == soa::Precision::float32) {
+    refuse("an accuracy of the end needs double precision");
+  }
+  return integrate_until_accurate(end, integration, isa, threads);
 }
 
 Integrated Batch::integrate_once(std::span<const double> end, const Integration& integration,

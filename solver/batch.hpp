@@ -72,7 +72,7 @@ struct Integration {
   /// Zero, or what the state at a row's end may be off by (of models of positions and velocities:
   /// the positions, in m). Rows are run again with tolerances a thousand times tighter until
   /// their end moves by at most a quarter of it; the first absolute tolerance is a tenth of it,
-  /// unless one is given.
+  /// unless one is given. Needs double precision.
   double accuracy = 0;
   double smallest_step = 0;  ///< s; a row that needs a shorter one ends there
   double largest_step = std::numeric_limits<double>::infinity();  ///< s; with tolerances
@@ -247,7 +247,6 @@ class Batch {
                       const Integration& integration, int threads, Integrated& result);
   Integrated integrate_once(std::span<const double> end, const Integration& integration, Isa isa,
                             int threads);
-  template <class T>
   Integrated integrate_until_accurate(std::span<const double> end, Integration integration, Isa isa,
                                       int threads);
   template <class T>

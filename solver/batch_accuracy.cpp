@@ -50,15 +50,14 @@ bool came_to_an_end(Outcome outcome) {
 
 }  // namespace
 
-template <class T>
 Integrated Batch::integrate_until_accurate(std::span<const double> end, Integration integration,
                                            Isa isa, int threads) {
   const BatchKernels& kernels = model_(isa);
   const std::size_t states = kernels.state_fields.size();
   const std::size_t compared = kernels.of_positions ? states / 2 : states;
-  const Columns<T> columns = columns_of<T>(kernels);
-  std::vector<std::vector<T>> start;
-  for (const T* column : columns.state) start.emplace_back(column, column + rows());
+  const Columns<double> columns = columns_of<double>(kernels);
+  std::vector<std::vector<double>> start;
+  for (const double* column : columns.state) start.emplace_back(column, column + rows());
 
   if (integration.absolute_tolerance == 0) {
     integration.absolute_tolerance = first_part * integration.accuracy;
@@ -70,14 +69,14 @@ Integrated Batch::integrate_until_accurate(std::span<const double> end, Integrat
     integration.absolute_tolerance *= tighter;
     integration.relative_tolerance *= tighter;
     Batch again(model_, table_.precision(), pending.size(), t0_, data_);
-    const Columns<T> again_columns = again.columns_of<T>(kernels);
+    const Columns<double> again_columns = again.columns_of<double>(kernels);
     std::vector<double> again_end;
     for (std::size_t k = 0; k < pending.size(); ++k) {
       const std::size_t row = pending[k];
       again_end.push_back(end[row]);
       for (std::size_t f = 0; f < states; ++f) again_columns.state[f][k] = start[f][row];
       for (std::size_t f = 0; f < columns.parameters.size(); ++f) {
-        again.table_.column<T>(1 + states + f)[k] = columns.parameters[f][row];
+        again.table_.column<double>(1 + states + f)[k] = columns.parameters[f][row];
       }
     }
     const Integrated closer = again.integrate_once(again_end, integration, isa, threads);
@@ -95,9 +94,8 @@ Integrated Batch::integrate_until_accurate(std::span<const double> end, Integrat
       }
       bool moved = closer.outcome[k] != result.outcome[row] || closer.event[k] != result.event[row];
       for (std::size_t f = 0; f < compared; ++f) {
-        const auto from = static_cast<double>(columns.state[f][row]);
-        const auto to = static_cast<double>(again_columns.state[f][k]);
-        moved = moved || !(std::abs(to - from) <= agreement * integration.accuracy);
+        const double by = again_columns.state[f][k] - columns.state[f][row];
+        moved = moved || !(std::abs(by) <= agreement * integration.accuracy);
       }
       if (moved) left.push_back(row);
       copy_row(closer, k, result, row, integration.samples.levels.size());
@@ -108,10 +106,5 @@ Integrated Batch::integrate_until_accurate(std::span<const double> end, Integrat
   for (const std::size_t row : pending) result.outcome[row] = Outcome::not_accurate;
   return result;
 }
-
-template Integrated Batch::integrate_until_accurate<float>(std::span<const double>, Integration,
-                                                           Isa, int);
-template Integrated Batch::integrate_until_accurate<double>(std::span<const double>, Integration,
-                                                            Isa, int);
 
 }  // namespace salvo::solver

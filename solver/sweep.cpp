@@ -331,6 +331,9 @@ SweepRows Sweep::run(std::uint64_t first, std::uint64_t count, const Execution& 
 std::uint64_t Sweep::bytes_of(std::uint64_t count) const {
   const std::uint64_t columns =
       2 * fields_->list.size() + kernels_->parameter_fields.size() +
+      (setup_.integration.accuracy > 0
+           ? 2 * kernels_->state_fields.size() + kernels_->parameter_fields.size()
+           : 0) +
       levels() * (2 * sample_fields_.size() + kernels_->input_fields.size());
   return count * columns * sizeof(double);
 }

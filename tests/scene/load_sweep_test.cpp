@@ -147,6 +147,8 @@ TEST(SweepScene, WhatDoesNotGoTogetherIsRefused) {
 TEST(SweepScene, AnAccuracyHasTheUnitOfTheFirstState) {
   EXPECT_EQ(parse_sweep(minimal + "accuracy = \"1 mm\"\n", "s").setup.integration.accuracy, 1e-3);
   EXPECT_NE(mistakes_with("accuracy = \"1 s\"\n").find("a length"), std::string::npos);
+  EXPECT_NE(mistakes_of(minimal + "accuracy = 1\n", {"precision=float"}).find("too few digits"),
+            std::string::npos);
   EXPECT_NE(mistakes_with("accuracy = 0\n").find("out of bounds"), std::string::npos);
   EXPECT_NE(mistakes_of(minimal + "accuracy = 1\n",
                         {"integration.absolute_tolerance=0", "integration.relative_tolerance=0",
