@@ -86,6 +86,7 @@ Json json_of(const scene::SweepScene& scene, const Sweep& sweep,
     }
     document["columns"].push_back({{"column", field.name},
                                    {"unit", field.unit},
+                                   {"count", moments.count(i)},
                                    {"mean", moments.mean(i)},
                                    {"deviation", moments.deviation(i)},
                                    {"least", moments.least(i)},
@@ -104,6 +105,7 @@ Json json_of(const scene::SweepScene& scene, const Sweep& sweep,
       axes.push_back(sweep.fields()[column].name);
     }
     document["plane"] = {{"axes", axes},
+                         {"count", plane.count},
                          {"mean", plane.mean},
                          {"circular_error", circles(plane.circular_error)},
                          {"circular_error_of_aim", circles(plane.circular_error_of_aim)},
@@ -191,6 +193,12 @@ std::string statistics_text(const scene::SweepScene& scene, const Sweep& sweep,
     table.add(std::move(row));
   }
   text += "\n" + table.text();
+  for (std::size_t i = 0; i < scene.statistics.columns.size(); ++i) {
+    if (statistics.moments.count(i) == statistics.moments.count()) continue;
+    text += fmt::format("{} is of the {} rows that have it\n",
+                        sweep.fields()[scene.statistics.columns[i]].name,
+                        grouped(statistics.moments.count(i)));
+  }
   if (!statistics.plane) return text;
   const solver::PlaneStatistics& plane = *statistics.plane;
   const auto axis = [&](std::size_t i) {
@@ -210,9 +218,8 @@ std::string statistics_text(const scene::SweepScene& scene, const Sweep& sweep,
       plane.semi_axes[0], plane.semi_axes[1], unit, plane.angle * 57.29577951308232, axis(0));
   if (scene.statistics.plane->half_sizes) {
     text += fmt::format("hits {} of {}: {:.4f} %, between {:.4f} and {:.4f} % at 95 %\n",
-                        grouped(plane.hits), grouped(statistics.moments.count()),
-                        100 * plane.hit_probability, 100 * plane.hit_interval[0],
-                        100 * plane.hit_interval[1]);
+                        grouped(plane.hits), grouped(plane.count), 100 * plane.hit_probability,
+                        100 * plane.hit_interval[0], 100 * plane.hit_interval[1]);
   }
   return text;
 }

@@ -42,14 +42,24 @@ CsvTable::CsvTable(std::string path) : path_(std::move(path)) {
   }
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (number == 1) line = std::string(without_mark(line));
     if (trimmed(line).empty() || line[0] == '#') continue;
     std::vector<std::string> cells = split(line);
     if (names_.empty()) {
       for (const std::string& cell : cells) {
         const std::size_t bracket = cell.find('[');
-        names_.push_back(trimmed(cell.substr(0, bracket)));
         const std::size_t end = cell.find(']');
-        units_.push_back(bracket == std::string::npos || end == std::string::npos
+        if ((bracket == std::string::npos) != (end == std::string::npos)) {
+          throw TableError(fmt::format("{}:{}: \"{}\" has one bracket", path_, number, cell),
+                           "expected NAME or NAME [UNIT]");
+        }
+        const std::string name = trimmed(cell.substr(0, bracket));
+        if (std::ranges::find(names_, name) != names_.end()) {
+          throw TableError(fmt::format("{}:{}: two columns are \"{}\"", path_, number, name),
+                           "expected names that differ");
+        }
+        names_.push_back(name);
+        units_.push_back(bracket == std::string::npos
                              ? ""
                              : trimmed(cell.substr(bracket + 1, end - bracket - 1)));
       }
@@ -72,6 +82,10 @@ std::vector<double> CsvTable::column(const std::string& name, const std::string&
   std::vector<double> values;
   for (std::size_t row = 0; row < cells_.size(); ++row) {
     const std::string& cell = cells_[row][index];
+    if (cell.empty()) {
+      throw TableError(fmt::format("{}:{}: column \"{}\" is empty", path_, lines_[row], name),
+                       "expected a number");
+    }
     try {
       const bool plain = cell.find_first_not_of("0123456789+-.eE") == std::string::npos;
       if (!units_[index].empty()) {

@@ -37,6 +37,12 @@ std::unique_ptr<InputTable> open_table(const std::string& path) {
   return hdf5_opener(path);
 }
 
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (text.starts_with(mark)) text.remove_prefix(mark.size());
+  return text;
+}
+
 TableError no_such_column(const std::string& path, const std::string& what, const std::string& name,
                           std::span<const std::string> names) {
   const std::vector<std::string_view> known(names.begin(), names.end());

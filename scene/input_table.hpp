@@ -40,6 +40,10 @@ void open_hdf5_tables_with(TableOpener opener);
 /// Names that end in .hdf, .h5 or .hdf5 are HDF5 files, all others CSV. Throws TableError.
 std::unique_ptr<InputTable> open_table(const std::string& path);
 
+/// Without the byte order mark that some editors begin a file with and that is no part of its first
+/// line.
+std::string_view without_mark(std::string_view text);
+
 /// The table has no such column; `what` its columns are called. The hint is the nearest of `names`,
 /// else all of them.
 TableError no_such_column(const std::string& path, const std::string& what, const std::string& name,

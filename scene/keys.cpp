@@ -228,19 +228,33 @@ std::string keys_of(const Value& table) {
 
 }  // namespace
 
+// What stands for a name has nothing between its values, and no distribution.
+void Reader::read_words(const Value& value, const KeyText& key, solver::Variation& variation) {
+  if (value.kind == Value::Kind::list && !value.items.empty()) {
+    variation.kind = solver::Variation::Kind::grid;
+    for (const Value& item : value.items) {
+      if (const auto found = word(item, key)) variation.values.push_back(*found);
+    }
+  } else if (value.kind == Value::Kind::string) {
+    if (const auto found = word(value, key)) variation = solver::Variation::of(*found);
+  } else {
+    fail(value, named(key) + " is no name", "expected one name or a list of them");
+  }
+}
+
 void Reader::read(const Value& value, const KeyText& key, InputValue& out) {
   using Kind = solver::Variation::Kind;
   out.given = true;
   solver::Variation& variation = out.variation;
   const auto number = [&](const Value& from, double& to) { read(from, key, to); };
-  if (value.kind == Value::Kind::boolean || value.kind == Value::Kind::date) {
+  if (!key.words.empty()) {
+    read_words(value, key, variation);
+  } else if (value.kind == Value::Kind::boolean || value.kind == Value::Kind::date) {
     wrong_type(value, key, input_forms);
   } else if (value.kind == Value::Kind::list) {
     variation.kind = Kind::grid;
     read(value, key, variation.values);
     if (value.items.empty()) fail(value, named(key) + " is empty", "expected at least one value");
-  } else if (value.kind == Value::Kind::string && !key.words.empty()) {
-    if (const auto found = word(value, key)) variation = solver::Variation::of(*found);
   } else if (value.kind != Value::Kind::table) {
     number(value, variation.a);
   } else if (const std::string keys = keys_of(value); value.find("normal")) {

@@ -107,6 +107,7 @@ class Reader {
   void read(const Value& value, const KeyText& key, std::string& out);
   void read(const Value& value, const KeyText& key, solver::Spread& out);
   void read(const Value& value, const KeyText& key, InputValue& out);
+  void read_words(const Value& value, const KeyText& key, solver::Variation& variation);
   void read(const Value& value, const KeyText&, Later& out) { out.value = value; }
   template <class I>
   requires(std::is_integral_v<I>) void read(const Value& value, const KeyText& key, I& out) {

@@ -139,12 +139,15 @@ class SweepCompletion {
            "give table in [sweep]");
       return;
     }
+    if (unreadable_) return;
     try {
       if (!table_) {
         table_ = open_table(beside_scene(keys_.table));
       }
       input.values = table_->column(column, std::string(field.unit));
     } catch (const TableError& error) {
+      // A file that cannot be read is told of once.
+      unreadable_ = !table_;
       fail(table_ ? path : "sweep.table", error.what(), error.hint());
       return;
     }
@@ -203,6 +206,13 @@ class SweepCompletion {
     }
   }
 
+  // Neither drawn nor solved for.
+  void refuse_names(std::size_t input, const std::string& path) {
+    const soa::Field& field = kernels_->input_fields[input];
+    if (!stands_for_names(field)) return;
+    fail(path, fmt::format("\"{}\" is a name", field.name), "expected an input that is a number");
+  }
+
   std::string beside_scene(const std::string& file) const {
     return (std::filesystem::path(keys_.path).parent_path() / file).string();
   }
@@ -230,6 +240,7 @@ class SweepCompletion {
         const std::string at = fmt::format("{}.inputs.{}", path, k);
         const auto input = index_of(names_of(kernels_->input_fields), given.inputs[k], at, "input");
         if (!input) continue;
+        refuse_names(*input, at);
         if (keys_.inputs.inputs[*input].given || !taken.emplace(*input, at).second) {
           fail(at, fmt::format("\"{}\" is given elsewhere, too", given.inputs[k]),
                "an input varies in one way");
@@ -318,8 +329,7 @@ class SweepCompletion {
                           given.accuracy.value.has_value();
     if (adaptive && !solver::knows_error(given.method)) {
       fail("integration.method", "the method knows no error, but there is a tolerance",
-           "expected tsitouras_5, dormand_prince_5, extrapolation_8 or step_doubling_euler, or no "
-           "tolerance");
+           "expected one that knows its error, or no tolerance");
     }
     if (given.method == solver::Method::semi_implicit_euler && !kernels_->of_positions) {
       fail("integration.method", "the model is not one of positions and velocities",
@@ -526,6 +536,7 @@ class SweepCompletion {
           equation.outcome = static_cast<std::uint32_t>(*outcome);
         }
       }
+      refuse_names(*input, path + ".input");
       const Variation& varies = keys_.setup.inputs[*input];
       if (varies.kind == Variation::Kind::grid || varies.kind == Variation::Kind::column) {
         fail(path + ".input", fmt::format("\"{}\" is a list of values", given.input),
@@ -568,10 +579,13 @@ class SweepCompletion {
         continue;
       }
       if (unsolved.least > unsolved.greatest) {
-        fail(equation.path + ".outcome",
-             fmt::format("no {} from {:.9g} to {:.9g} {} has this outcome{}", field.name,
-                         equation.between[0], equation.between[1], field.unit, at_point),
-             "expected an outcome that some trajectory has");
+        fail(equation.path + (equation.outcome ? ".outcome" : ".between"),
+             fmt::format("no {} from {:.9g} to {:.9g} {} {}{}", field.name, equation.between[0],
+                         equation.between[1], field.unit,
+                         equation.outcome ? "has this outcome" : "brings a trajectory to an end",
+                         at_point),
+             equation.outcome ? "expected an outcome that some trajectory has"
+                              : "all of them break off: look at the outcome of one");
         continue;
       }
       fail(equation.path + ".between",
@@ -581,9 +595,38 @@ class SweepCompletion {
            fmt::format("it comes to {:.9g} to {:.9g} {}", unsolved.least, unsolved.greatest,
                        quantity.unit));
     }
+    check_solved(equations);
     for (const Equation& equation : equations) {
       keys_.solved.push_back({equation.input, equation.value, equation.by_point,
                               std::string(sweep.fields()[equation.column].name), equation.target});
+    }
+  }
+
+  // What is solved for moves a distribution: it must stay within the input's bounds.
+  void check_solved(const std::vector<Equation>& equations) {
+    for (const Equation& equation : equations) {
+      const soa::Field& field = kernels_->input_fields[equation.input];
+      const Variation& input = keys_.setup.inputs[equation.input];
+      const auto [least, greatest] = input.shifts.empty() ? std::ranges::minmax_result<double>{0, 0}
+                                                          : std::ranges::minmax(input.shifts);
+      double low = input.a;
+      double high = input.a;
+      if (input.kind == Variation::Kind::uniform) high = input.b;
+      if (input.kind == Variation::Kind::normal) {
+        low -= reach * input.b;
+        high += reach * input.b;
+      }
+      if (input.kind == Variation::Kind::truncated_normal) {
+        low = input.lowest;
+        high = input.highest;
+      }
+      const Bounds bounds = between(field.lowest, field.highest);
+      if (bounds.contain(low + least) && bounds.contain(high + greatest)) continue;
+      fail(equation.path + ".input",
+           fmt::format("\"{}\" would come out of its bounds about the value found", field.name),
+           fmt::format("expected {}, within {} deviations of a normal one; within = [low, high] "
+                       "holds it",
+                       bounds.text(field.unit), reach));
     }
   }
 
@@ -603,6 +646,11 @@ class SweepCompletion {
              fmt::format("\"{}\" varies", kernels_->input_fields[i].name),
              "expected one value: solving is done with all inputs at their means");
       }
+      if (stands_for_names(kernels_->input_fields[i]) && !keys_.setup.data &&
+          with.inputs[i].variation.a == static_cast<double>(models::own_drag_function)) {
+        fail(fmt::format("{}.with.{}", path, kernels_->input_fields[i].name),
+             "the drag function is a table, but there is none", "give table in [drag]");
+      }
       equation.with.emplace_back(i, with.inputs[i].variation.a);
     }
   }
@@ -613,6 +661,7 @@ class SweepCompletion {
   Reader reader_;
   const solver::BatchKernels* kernels_ = nullptr;
   std::unique_ptr<InputTable> table_;
+  bool unreadable_ = false;
 };
 
 bool is_sweep(const Value& root) {
@@ -620,13 +669,6 @@ bool is_sweep(const Value& root) {
   return root.find("sweep") || root.find("integration") ||
          std::any_of(models.begin(), models.end(),
                      [&](const solver::ModelEntry& model) { return root.find(model.name); });
-}
-
-std::string_view without_mark(std::string_view text) {
-  // Some editors begin a file with a byte order mark, which is no part of its first line.
-  constexpr std::string_view mark = "\xEF\xBB\xBF";
-  if (text.starts_with(mark)) text.remove_prefix(mark.size());
-  return text;
 }
 
 }  // namespace

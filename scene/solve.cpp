@@ -50,6 +50,7 @@ std::vector<Residual> residuals(const Equation& equation, const solver::SweepSet
                                 const std::vector<double>& values) {
   solver::SweepSetup batch = nominal(setup);
   batch.precision = soa::Precision::float64;
+  batch.integration.samples = {};
   for (const auto& [input, value] : equation.with) {
     batch.inputs[input] = solver::Variation::of(value);
   }
@@ -62,10 +63,12 @@ std::vector<Residual> residuals(const Equation& equation, const solver::SweepSet
   const auto outcome = std::ranges::find_if(sweep.fields(), is_outcome) - sweep.fields().begin();
   const std::uint32_t* ended = rows.table.column<std::uint32_t>(static_cast<std::size_t>(outcome));
   const double* column = rows.table.column<double>(equation.column);
+  const std::size_t time_limit = setup.model(solver::Isa::scalar).events.size();
   std::vector<Residual> residual;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double value = column ? column[i] : rows.table.uniform(equation.column);
-    const bool counts = !equation.outcome || ended[i] == *equation.outcome;
+    // A trajectory that broke off is no answer, whatever it was to bring about.
+    const bool counts = equation.outcome ? ended[i] == *equation.outcome : ended[i] <= time_limit;
     residual.push_back(
         {counts ? value - equation.target : std::numeric_limits<double>::quiet_NaN(), ended[i]});
   }

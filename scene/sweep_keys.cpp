@@ -35,6 +35,8 @@ std::string fallback_of(const soa::Field& field, const Words& words) {
 
 }  // namespace
 
+bool stands_for_names(const soa::Field& input) { return !words_of_input(input.name).empty(); }
+
 const Section<InputKeys>& input_section(const solver::ModelEntry& model) {
   static std::map<std::string_view, std::unique_ptr<const Section<InputKeys>>> sections;
   std::unique_ptr<const Section<InputKeys>>& section = sections[model.name];

@@ -104,6 +104,9 @@ struct SweepKeys : SweepScene {
 /// The list of all keys.
 const Section<SweepKeys>& sweep_section();
 
+/// Whether an input's numbers stand for names.
+bool stands_for_names(const soa::Field& input);
+
 /// The section of a model's inputs.
 const Section<InputKeys>& input_section(const solver::ModelEntry& model);
 

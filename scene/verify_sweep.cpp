@@ -49,6 +49,10 @@ std::optional<SweepDifference> difference(const Sweep& sweep, const SweepRows& r
     for (std::size_t level = 0; level < sweep.levels(); ++level) {
       const std::size_t in_reference = (first + row) * sweep.levels() + level;
       const std::size_t in_varied = row * sweep.levels() + level;
+      if (!same(reference.sample_time[in_reference], varied.sample_time[in_varied])) {
+        return SweepDifference{first + row, fmt::format("samples.time[{}]", level),
+                               reference.sample_time[in_reference], varied.sample_time[in_varied]};
+      }
       for (std::size_t f = 0; f < reference.samples.size(); ++f) {
         const double a = reference.samples[f][in_reference];
         const double b = varied.samples[f][in_varied];
@@ -90,7 +94,11 @@ std::vector<SweepVerifyRun> verify(const SweepScene& scene, const SweepVerifyOpt
     const SweepRows varied = run(0, rows, execution);
     SweepVerifyRun result{std::move(axis), std::move(value), varied.hash(solver::Parallel(1)), rows,
                           std::nullopt};
-    if (!(result.hash == hash)) result.difference = difference(sweep, reference, varied, 0);
+    if (!(result.hash == hash)) {
+      result.difference = difference(sweep, reference, varied, 0);
+      // Such as one in the sign of a zero of a column that is whole numbers here.
+      if (!result.difference) result.difference = SweepDifference{0, "hash", 0, 0};
+    }
     runs.push_back(std::move(result));
     progress();
   };

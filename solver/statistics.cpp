@@ -31,7 +31,8 @@ double value_of(std::uint64_t key) {
 }  // namespace
 
 Moments::Moments(std::size_t columns)
-    : mean_(columns, 0),
+    : count_(columns, 0),
+      mean_(columns, 0),
       moment_(columns * columns, 0),
       least_(columns, std::numeric_limits<double>::infinity()),
       greatest_(columns, -std::numeric_limits<double>::infinity()) {}
@@ -40,47 +41,59 @@ void Moments::add_part(std::span<const std::vector<double>> columns) {
   const std::size_t n = mean_.size();
   const std::size_t rows = n == 0 ? 0 : columns[0].size();
   if (rows == 0) return;
-  std::vector<double> mean(n);
+  std::vector<double> mean(n, 0);
+  std::vector<std::uint64_t> there(n, 0);
   for (std::size_t a = 0; a < n; ++a) {
     // About the first value, so that a small spread on a large value keeps its digits.
-    const double first = columns[a][0];
+    double first = 0;
     double sum = 0;
     for (const double value : columns[a]) {
+      if (std::isnan(value)) continue;
+      if (there[a]++ == 0) first = value;
       sum += value - first;
       least_[a] = std::min(least_[a], value);
       greatest_[a] = std::max(greatest_[a], value);
     }
-    mean[a] = first + sum / static_cast<double>(rows);
+    if (there[a] != 0) mean[a] = first + sum / static_cast<double>(there[a]);
   }
   // Merged as T. F. Chan, G. H. Golub and R. J. LeVeque do (Amer. Statist. 37, 1983).
-  const auto before = static_cast<double>(count_);
-  const auto added = static_cast<double>(rows);
-  const double weight = before * added / (before + added);
   for (std::size_t a = 0; a < n; ++a) {
+    if (there[a] == 0) continue;
+    const auto before = static_cast<double>(count_[a]);
+    const auto added = static_cast<double>(there[a]);
+    const double weight = before * added / (before + added);
     for (std::size_t b = a; b < n; ++b) {
       double sum = 0;
       for (std::size_t row = 0; row < rows; ++row) {
-        sum += (columns[a][row] - mean[a]) * (columns[b][row] - mean[b]);
+        const double product = (columns[a][row] - mean[a]) * (columns[b][row] - mean[b]);
+        if (a != b || !std::isnan(product)) sum += product;
       }
       moment_[a * n + b] += sum + (mean[a] - mean_[a]) * (mean[b] - mean_[b]) * weight;
     }
   }
-  for (std::size_t a = 0; a < n; ++a) mean_[a] += (mean[a] - mean_[a]) * (added / (before + added));
-  count_ += rows;
+  for (std::size_t a = 0; a < n; ++a) {
+    if (there[a] == 0) continue;
+    const auto before = static_cast<double>(count_[a]);
+    const auto added = static_cast<double>(there[a]);
+    mean_[a] += (mean[a] - mean_[a]) * (added / (before + added));
+    count_[a] += there[a];
+  }
+  rows_ += rows;
 }
 
 double Moments::covariance(std::size_t a, std::size_t b) const {
   const std::size_t n = mean_.size();
   const double moment = moment_[std::min(a, b) * n + std::max(a, b)];
-  return count_ < 2 ? std::numeric_limits<double>::quiet_NaN()
-                    : moment / static_cast<double>(count_ - 1);
+  const bool together = a == b || (count_[a] == rows_ && count_[b] == rows_);
+  return count_[a] < 2 || !together ? std::numeric_limits<double>::quiet_NaN()
+                                    : moment / static_cast<double>(count_[a] - 1);
 }
 
 double Moments::deviation(std::size_t column) const { return root(covariance(column, column)); }
 
 double half_width_of_mean(const Moments& moments, std::size_t column, double confidence) {
   const double z = normal_quantile(0.5 + 0.5 * confidence);
-  return z * moments.deviation(column) / root(static_cast<double>(moments.count()));
+  return z * moments.deviation(column) / root(static_cast<double>(moments.count(column)));
 }
 
 std::vector<double> exact_quantiles(
@@ -138,7 +151,18 @@ namespace {
 
 constexpr std::array<double, 3> circular_parts{0.5, 0.9, 0.95};
 
-PlaneStatistics plane_statistics(const PlaneSettings& settings, const ColumnSource& source) {
+PlaneStatistics plane_statistics(const PlaneSettings& settings, const ColumnSource& all) {
+  // Rows that have both columns.
+  const ColumnSource source = [&](std::span<const std::size_t> chosen, const PartVisit& visit) {
+    all(chosen, [&](std::span<const std::vector<double>> columns) {
+      std::array<std::vector<double>, 2> there;
+      for (std::size_t row = 0; row < columns[0].size(); ++row) {
+        if (std::isnan(columns[0][row]) || std::isnan(columns[1][row])) continue;
+        for (std::size_t c = 0; c < 2; ++c) there[c].push_back(columns[c][row]);
+      }
+      visit(there);
+    });
+  };
   const auto for_each = [&](auto&& visit) {
     source(settings.columns, [&](std::span<const std::vector<double>> columns) {
       for (std::size_t row = 0; row < columns[0].size(); ++row) {
@@ -149,6 +173,8 @@ PlaneStatistics plane_statistics(const PlaneSettings& settings, const ColumnSour
   Moments moments(2);
   source(settings.columns, [&](auto columns) { moments.add_part(columns); });
   PlaneStatistics result;
+  result.count = moments.count();
+  if (result.count < 2) return result;
   result.mean = {moments.mean(0), moments.mean(1)};
 
   const double aa = moments.covariance(0, 0);
@@ -182,7 +208,7 @@ PlaneStatistics plane_statistics(const PlaneSettings& settings, const ColumnSour
       result.hits += hit ? 1 : 0;
     });
     constexpr double z = 1.959963984540054;
-    const auto n = static_cast<double>(moments.count());
+    const auto n = static_cast<double>(result.count);
     const double p = static_cast<double>(result.hits) / n;
     const double center = (p + z * z / (2 * n)) / (1 + z * z / n);
     const double width = z / (1 + z * z / n) * root(p * (1 - p) / n + z * z / (4 * n * n));
@@ -200,18 +226,19 @@ Statistics statistics(const StatisticsSettings& settings, const ColumnSource& so
   result.moments = Moments(settings.columns.size());
   source(settings.columns, [&](auto columns) { result.moments.add_part(columns); });
   for (const std::size_t column : settings.columns) {
-    result.quantiles.push_back(exact_quantiles(
-        result.moments.count(), settings.quantiles, [&](const std::function<void(double)>& visit) {
+    const std::uint64_t count = result.moments.count(result.quantiles.size());
+    result.quantiles.push_back(
+        exact_quantiles(count, settings.quantiles, [&](const std::function<void(double)>& visit) {
           source(std::span(&column, 1), [&](std::span<const std::vector<double>> columns) {
-            for (const double value : columns[0]) visit(value);
+            for (const double value : columns[0]) {
+              if (!std::isnan(value)) visit(value);
+            }
           });
         }));
   }
   if (settings.plane) {
-    Moments count(1);
-    source(std::span(settings.plane->columns.data(), 1),
-           [&](auto columns) { count.add_part(columns); });
-    if (count.count() >= 2) result.plane = plane_statistics(*settings.plane, source);
+    const PlaneStatistics plane = plane_statistics(*settings.plane, source);
+    if (plane.count >= 2) result.plane = plane;
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,22 +22,29 @@ using PartVisit = std::function<void(std::span<const std::vector<double>> column
 using ColumnSource =
     std::function<void(std::span<const std::size_t> columns, const PartVisit& visit)>;
 
-/// Count, means and co-moments of several columns, part by part.
+/// Count, means and co-moments of several columns, part by part. A NaN is left out, as where an
+/// event did not happen: each column has a count of its own, and where that is zero no moments.
 class Moments {
  public:
   explicit Moments(std::size_t columns);
   void add_part(std::span<const std::vector<double>> columns);
 
-  std::uint64_t count() const { return count_; }
-  double mean(std::size_t column) const { return mean_[column]; }
-  /// Of the sample (n - 1); NaN below two rows.
+  std::uint64_t count() const { return rows_; }  ///< of rows
+  std::uint64_t count(std::size_t column) const { return count_[column]; }
+  double mean(std::size_t column) const { return if_any(column, mean_); }
+  /// Of the sample (n - 1); NaN below two rows, and of two columns with NaNs.
   double covariance(std::size_t a, std::size_t b) const;
   double deviation(std::size_t column) const;
-  double least(std::size_t column) const { return least_[column]; }
-  double greatest(std::size_t column) const { return greatest_[column]; }
+  double least(std::size_t column) const { return if_any(column, least_); }
+  double greatest(std::size_t column) const { return if_any(column, greatest_); }
 
  private:
-  std::uint64_t count_ = 0;
+  double if_any(std::size_t column, const std::vector<double>& values) const {
+    return count_[column] == 0 ? std::numeric_limits<double>::quiet_NaN() : values[column];
+  }
+
+  std::uint64_t rows_ = 0;
+  std::vector<std::uint64_t> count_;
   std::vector<double> mean_;
   std::vector<double> moment_;  // of columns a and b: a * columns + b
   std::vector<double> least_;
@@ -60,6 +68,7 @@ struct PlaneSettings {
 };
 
 struct PlaneStatistics {
+  std::uint64_t count = 0;  ///< rows that have both columns
   std::array<double, 2> mean{};
   std::array<double, 2> semi_axes{};  ///< of the ellipse of one standard deviation, longer first
   double angle = 0;                   ///< rad, of the longer from the first column's axis

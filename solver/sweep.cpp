@@ -124,9 +124,8 @@ void Sweep::add_field(const std::string& name, soa::Field field, bool stored) {
 std::vector<std::string> Sweep::outcomes() const {
   std::vector<std::string> names;
   for (const models::Event& event : kernels_->events) names.emplace_back(event.name);
-  for (const Outcome outcome : {Outcome::time_limit, Outcome::step_limit, Outcome::not_finite,
-                                Outcome::smallest_step, Outcome::not_accurate}) {
-    names.emplace_back(name(outcome));
+  for (int outcome = 1; outcome <= static_cast<int>(Outcome::not_accurate); ++outcome) {
+    names.emplace_back(name(static_cast<Outcome>(outcome)));
   }
   return names;
 }
@@ -332,7 +331,8 @@ std::uint64_t Sweep::bytes_of(std::uint64_t count) const {
   const std::uint64_t columns =
       2 * fields_->list.size() + kernels_->parameter_fields.size() +
       (setup_.integration.accuracy > 0
-           ? 2 * kernels_->state_fields.size() + kernels_->parameter_fields.size()
+           ? 2 * kernels_->state_fields.size() + kernels_->parameter_fields.size() +
+                 levels() * (kernels_->state_fields.size() + 1)
            : 0) +
       levels() * (2 * sample_fields_.size() + kernels_->input_fields.size());
   return count * columns * sizeof(double);

@@ -104,14 +104,17 @@ double Variation::nominal() const {
 Quantile::Quantile(const Variation& variation)
     : kind_(variation.kind), a_(variation.a), b_(variation.b) {
   if (kind_ != Variation::Kind::truncated_normal) return;
-  lowest_u_ = normal_probability((variation.lowest - a_) / b_);
-  highest_u_ = normal_probability((variation.highest - a_) / b_);
+  // Parts near one have no digits left: an interval above the mean is that below it, mirrored.
+  const double side = variation.lowest > a_ ? -1 : 1;
+  lowest_u_ = normal_probability(side * (variation.lowest - a_) / b_);
+  highest_u_ = normal_probability(side * (variation.highest - a_) / b_);
 }
 
 double Quantile::operator()(double u) const {
   if (kind_ == Variation::Kind::uniform) return a_ + (b_ - a_) * u;
   const double part = lowest_u_ + (highest_u_ - lowest_u_) * u;
-  return a_ + b_ * normal_quantile(part);
+  const double deviations = normal_quantile(part);
+  return lowest_u_ > highest_u_ ? a_ - b_ * deviations : a_ + b_ * deviations;
 }
 
 }  // namespace salvo::solver

@@ -406,6 +406,19 @@ TEST(Rocket, StagesAddTheirVelocities) {
   EXPECT_NEAR(three.end("energy"), 0.5 * 100 * exact * exact, 5);
 }
 
+// Thrust turns from the launch to the velocity without a jump, which no step could follow.
+TEST(Rocket, FromRestAnAccuracyIsReached) {
+  Trajectory from_rest = rocket().with("elevation", 1.4).with("drag_area", 0.3).until(60);
+  const double x = from_rest.end("x");
+  const double y = from_rest.end("y");
+  from_rest.setup.integration.absolute_tolerance = 0;
+  from_rest.setup.integration.relative_tolerance = 0;
+  from_rest.setup.integration.accuracy = 1e-3;
+  EXPECT_EQ(from_rest.outcome(), "time limit");
+  EXPECT_NEAR(from_rest.end("x"), x, 1e-3);
+  EXPECT_NEAR(from_rest.end("y"), y, 1e-3);
+}
+
 TEST(Rocket, DragInTheAtmosphereCostsHeight) {
   Trajectory high = rocket().with("drag_area", 0.3);
   high.setup.integration.absolute_tolerance = high.setup.integration.relative_tolerance = 1e-9;

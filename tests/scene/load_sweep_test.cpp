@@ -112,6 +112,23 @@ TEST(SweepScene, WrongVariationsAreNamedWithTheirPlace) {
   EXPECT_NE(mistake_of_speed("{ column = \"v\" }").find("there is no table"), std::string::npos);
 }
 
+TEST(SweepScene, ADragFunctionIsANameOrAListOfThem) {
+  const auto with = [](const std::string& value) {
+    return mistakes_of(minimal, {"projectile.drag_function=" + value});
+  };
+  const SweepScene scene = parse_sweep(minimal, "s", {"projectile.drag_function=[\"G1\", \"G8\"]"});
+  EXPECT_EQ(scene.setup.inputs[input(scene, "drag_function")].values, (std::vector<double>{0, 5}));
+  EXPECT_NE(with("[\"G1\", \"G9\"]").find("G9"), std::string::npos);
+  for (const char* value : {"2.5", "4", "[1, 2.5]", "{ uniform = [0, 7] }", "{ column = \"f\" }",
+                            "{ from = 1, to = 2, count = 3 }", "[]", "true"}) {
+    EXPECT_NE(with(value), "no mistake") << value;
+  }
+  EXPECT_NE(mistakes_with("[[solve]]\ninput = \"drag_function\"\nbetween = [\"G1\", \"G7\"]\n"
+                          "quantity = \"end.y\"\n")
+                .find("is a name"),
+            std::string::npos);
+}
+
 TEST(SweepScene, AnUnknownKeyOrWordGetsASuggestion) {
   EXPECT_EQ(mistakes_of("[projectile]\nsped = 1\n[integration]\nstep = 1\ntime_limit = 1\n"),
             "scene.toml:2:1: error: unknown key \"sped\" in [projectile]\n"
@@ -280,6 +297,13 @@ TEST_F(Table, ABadCellOrColumnIsNamedWithItsPlace) {
             std::string::npos);
   EXPECT_NE(mistake("v,heigth\n1,2\n").find("did you mean \"heigth\"?"), std::string::npos);
   EXPECT_NE(mistake("v,height\n1\n").find("shots.csv:2: 1 cells"), std::string::npos);
+  EXPECT_NE(mistake("v,height [fps\n1,2\n").find("shots.csv:1: \"height [fps\" has one bracket"),
+            std::string::npos);
+  EXPECT_NE(mistake("v,height,v\n1,2,3\n").find("shots.csv:1: two columns are \"v\""),
+            std::string::npos);
+  EXPECT_NE(mistake("v,height\n1,\n").find("shots.csv:2: column \"height\" is empty"),
+            std::string::npos);
+  EXPECT_EQ(mistake("\xEF\xBB\xBFv,height\n1,2\n"), "no mistake");
   EXPECT_NE(mistake("v,height\n").find("has no rows"), std::string::npos);
   EXPECT_NE(mistake("v,height\n-1,2\n").find("row 1 of column \"v\" is out of bounds"),
             std::string::npos);
@@ -413,6 +437,34 @@ each_point = true
   for (std::size_t row = 0; row < 6; ++row) {
     EXPECT_NEAR(strikes.table.column<double>(height)[row], 0, 1e-9);
   }
+}
+
+TEST(Solve, TrajectoriesThatBreakOffAreNoAnswer) {
+  const std::string text = minimal +
+                           "most_steps = 3\n[[solve]]\ninput = \"elevation\"\nbetween = [\"0 "
+                           "deg\", \"5 deg\"]\nquantity = \"end.y\"\n";
+  EXPECT_NE(mistakes_of(text).find("brings a trajectory to an end"), std::string::npos)
+      << mistakes_of(text);
+}
+
+TEST(Solve, ADistributionThatIsMovedStaysWithinBounds) {
+  const std::string text = R"([shot_in_air]
+speed = { normal = [800, 90] }
+elevation = 0.1
+ground = 0
+[integration]
+step = 0.1
+absolute_tolerance = 1e-9
+time_limit = 100
+[[solve]]
+input = "speed"
+between = [1, 900]
+quantity = "end.x"
+equals = 500
+)";
+  EXPECT_NE(mistakes_of(text).find("would come out of its bounds about the value found"),
+            std::string::npos)
+      << mistakes_of(text);
 }
 
 TEST(Solve, APointOfAGridWithoutARootIsNamed) {

@@ -71,5 +71,25 @@ TEST(VerifySweep, APlantedDifferenceIsNamedByRowAndColumn) {
   EXPECT_EQ(found, 2);
 }
 
+TEST(VerifySweep, ASamplesTimeCounts) {
+  SweepVerifyOptions options;
+  options.run = [](const solver::Sweep& sweep, std::uint64_t first, std::uint64_t count,
+                   const solver::Execution& execution) {
+    solver::SweepRows rows = sweep.run(first, count, execution);
+    if (execution.threads == 13 || (count == 1 && first == 0)) rows.sample_time[1] += 1e-15;
+    return rows;
+  };
+  int found = 0;
+  for (const SweepVerifyRun& run : verify(shots(), options)) {
+    const bool planted = (run.axis == "threads" && run.value == "13") || run.axis == "alone";
+    ASSERT_EQ(run.difference.has_value(), planted) << run.axis << " " << run.value;
+    if (!planted) continue;
+    ++found;
+    EXPECT_EQ(run.difference->index, 0U);
+    EXPECT_EQ(run.difference->column, "samples.time[1]");
+  }
+  EXPECT_EQ(found, 2);
+}
+
 }  // namespace
 }  // namespace salvo::scene

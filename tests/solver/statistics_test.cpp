@@ -150,6 +150,43 @@ TEST(Statistics, NothingCountsAndOneRowCounts) {
   EXPECT_FALSE(single.plane);
 }
 
+TEST(Statistics, ANaNIsLeftOutOfItsColumnAlone) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::vector<double>> first{{1, 2, 3}, {none, 10, none}, {none, none, none}};
+  const std::vector<std::vector<double>> second{{4, 6}, {14, 18}, {none, none}};
+  Moments moments(3);
+  moments.add_part(first);
+  moments.add_part(second);
+  EXPECT_EQ(moments.count(), 5U);
+  EXPECT_EQ(moments.count(0), 5U);
+  EXPECT_EQ(moments.count(1), 3U);
+  EXPECT_EQ(moments.count(2), 0U);
+  EXPECT_NEAR(moments.mean(0), 3.2, 1e-15);
+  EXPECT_NEAR(moments.mean(1), 14, 1e-14);
+  EXPECT_NEAR(moments.deviation(1), 4, 1e-14);
+  EXPECT_EQ(moments.least(1), 10);
+  EXPECT_TRUE(std::isnan(moments.covariance(0, 1)));
+  EXPECT_TRUE(std::isnan(moments.mean(2)));
+  EXPECT_TRUE(std::isnan(moments.greatest(2)));
+
+  StatisticsSettings settings;
+  settings.columns = {0, 1};
+  settings.quantiles = {0.5};
+  settings.plane = PlaneSettings{{0, 1}, {2, 10}, std::array<double, 2>{0.5, 0.5}};
+  const Statistics all = statistics(settings, [&](auto columns, const PartVisit& visit) {
+    for (const auto& part : {first, second}) {
+      std::vector<std::vector<double>> chosen;
+      for (const std::size_t column : columns) chosen.push_back(part[column]);
+      visit(chosen);
+    }
+  });
+  EXPECT_EQ(all.quantiles[1][0], 14);
+  EXPECT_EQ(all.plane->count, 3U);
+  EXPECT_EQ(all.plane->hits, 1U);
+  EXPECT_EQ(all.plane->hit_probability, 1.0 / 3);
+  EXPECT_NEAR(all.plane->mean[0], 4, 1e-15);
+}
+
 TEST(Statistics, HalfWidthIsThatOfTheNormalInterval) {
   const Columns all{normal_numbers("a", 10'000, 0, 2)};
   Moments moments(1);

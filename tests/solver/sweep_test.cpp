@@ -259,7 +259,7 @@ TEST(Sweep, EventsThatStopAreTheUsers) {
   EXPECT_NEAR(column(sweep, rows, "end.vy")[0], 0, 1e-12);
 }
 
-// A shot that just touches the range it is to reach: x has its greatest value there.
+// A shot straight up to the ground of a ledge: y has its greatest value there.
 TEST(Sweep, AQuantityThatOnlyTouchesZeroIsAGraze) {
   for (const double off : {0.0, 1e-10, 1e-3}) {
     SweepSetup setup = vacuum_shot();

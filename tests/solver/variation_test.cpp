@@ -40,6 +40,20 @@ TEST(Variation, ATruncatedNormalStaysWithinAndKeepsItsShape) {
   }
 }
 
+TEST(Variation, ATruncatedNormalAboveTheMeanIsTheMirrorOfThatBelow) {
+  const Quantile above({Variation::Kind::truncated_normal, 800, 5, 838, 842});
+  const Quantile below({Variation::Kind::truncated_normal, 800, 5, 758, 762});
+  double last = 0;
+  for (double u = 0x1p-20; u < 1; u += 0x1p-10) {
+    const double value = above(u);
+    EXPECT_NEAR(value, 1600 - below(1 - u), 1e-11);
+    EXPECT_GE(value, 838 - 1e-9);
+    EXPECT_LE(value, 842 + 1e-9);
+    EXPECT_GT(value, last);
+    last = value;
+  }
+}
+
 TEST(Variation, NominalIsTheMeanOrTheFirst) {
   using Kind = Variation::Kind;
   EXPECT_EQ(Variation::of(3).nominal(), 3);
