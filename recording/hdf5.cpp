@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstring>
+#include <limits>
 
 namespace salvo::recording::hdf5 {
 
@@ -57,6 +60,22 @@ Handle create(hid_t parent, const std::string& name, hid_t type, const Extents& 
   const Handle space = dataspace(extents);
   return {H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT),
           "create dataset " + name};
+}
+
+// A value that no row holds: NaN, or the greatest of the whole numbers.
+void fill_with_nothing(hid_t properties, hid_t type) {
+  std::array<std::byte, 8> value{};
+  const std::size_t size = H5Tget_size(type);
+  if (H5Tget_class(type) == H5T_FLOAT) {
+    const double wide = std::numeric_limits<double>::quiet_NaN();
+    const float narrow = std::numeric_limits<float>::quiet_NaN();
+    std::memcpy(value.data(), size == sizeof wide ? static_cast<const void*>(&wide) : &narrow,
+                size);
+  } else {
+    value.fill(std::byte{0xff});
+    if (H5Tget_sign(type) == H5T_SGN_2) value[size - 1] = std::byte{0x7f};
+  }
+  checked(H5Pset_fill_value(properties, type, value.data()), "set a fill value");
 }
 
 }  // namespace
@@ -216,6 +235,7 @@ Handle create_virtual_dataset(hid_t parent, const std::string& name, hid_t type,
                               const Extents& extents, const std::string& path,
                               std::span<const VirtualPart> parts) {
   const Handle properties = dataset_properties();
+  fill_with_nothing(properties, type);
   const Handle space = dataspace(extents);
   Extents start(extents.size(), 0);
   for (const VirtualPart& part : parts) {

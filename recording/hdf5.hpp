@@ -115,7 +115,8 @@ struct VirtualPart {
   hsize_t rows;
 };
 /// A dataset that shows those of the same path in other files, one after the other. `extents` are
-/// its own: the sum of their rows, then what a row has.
+/// its own: the sum of their rows, then what a row has. Where a file is missing, it reads as NaN or
+/// the greatest whole number.
 Handle create_virtual_dataset(hid_t parent, const std::string& name, hid_t type,
                               const Extents& extents, const std::string& path,
                               std::span<const VirtualPart> parts);

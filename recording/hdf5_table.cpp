@@ -132,28 +132,53 @@ class Hdf5Table : public scene::InputTable {
     return values;
   }
 
-  // HDF5 reads zeros where a file is missing that a virtual dataset shows.
+  // HDF5 reads the fill value, often zero, where a file or its dataset is missing that a virtual
+  // dataset shows.
   void require_sources(hid_t dataset, const std::string& name) {
     const Handle properties(H5Dget_create_plist(dataset), "read dataset properties");
     if (H5Pget_layout(properties) != H5D_VIRTUAL) return;
     std::size_t count = 0;
     checked(H5Pget_virtual_count(properties, &count), "list the parts of a dataset");
     for (std::size_t i = 0; i < count; ++i) {
-      const auto length = static_cast<std::size_t>(
-          checked<hssize_t>(H5Pget_virtual_filename(properties, i, nullptr, 0), "name a part"));
-      std::string file(length, '\0');
-      checked<hssize_t>(H5Pget_virtual_filename(properties, i, file.data(), length + 1),
-                        "name a part");
-      // "." is the file itself; a name with % stands for as many files as there are.
-      if (file == "." || file.find('%') != std::string::npos) continue;
+      const std::string file = source_name(&H5Pget_virtual_filename, properties, i);
+      const std::string path = source_name(&H5Pget_virtual_dsetname, properties, i);
+      // A name with % stands for as many files or datasets as there are.
+      if ((file + path).find('%') != std::string::npos) continue;
+      if (file == ".") {  // the file itself
+        require_dataset(file_, path, path_, name);
+        continue;
+      }
       const std::filesystem::path source = std::filesystem::path(path_).parent_path() / file;
-      if (!verified_.insert(source.string()).second) continue;
       if (!std::filesystem::exists(source)) {
         refuse(name, fmt::format("shows rows of {}, which is missing", source.string()),
                "it must lie beside the file that shows it");
       }
-      if (sealed_) verify(source);
+      if (sealed_ && !verified_.contains(source.string())) {
+        verify(source);
+        verified_.insert(source.string());
+      }
+      require_dataset(hdf5::open_file(source), path, source.string(), name);
     }
+  }
+
+  // The file or the dataset that part `i` of a virtual dataset shows.
+  template <class Get>
+  static std::string source_name(Get get, hid_t properties, std::size_t i) {
+    const auto length =
+        static_cast<std::size_t>(checked<hssize_t>(get(properties, i, nullptr, 0), "name a part"));
+    std::string text(length, '\0');
+    checked<hssize_t>(get(properties, i, text.data(), length + 1), "name a part");
+    return text;
+  }
+
+  void require_dataset(hid_t file, const std::string& path, const std::string& source,
+                       const std::string& name) const {
+    const hid_t id = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+    if (id < 0) {
+      refuse(name, fmt::format("shows rows of {}, which has no dataset \"{}\"", source, path),
+             "expected the file that it was made with");
+    }
+    const Handle dataset(id, "open a dataset");
   }
 
   // The attribute, or "" without one.
@@ -193,7 +218,7 @@ class Hdf5Table : public scene::InputTable {
   bool sealed_ = false;
   std::string first_;  // column that was asked for
   hsize_t rows_ = 0;
-  std::set<std::string> verified_;
+  std::set<std::string> verified_;  // intact files that datasets show
 };
 
 }  // namespace

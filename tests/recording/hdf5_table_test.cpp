@@ -220,5 +220,39 @@ TEST_F(Hdf5Table, ARecordingIsTakenWholeOrRefused) {
   EXPECT_NE(mistake().find("rows_000000.hdf, which is missing"), std::string::npos) << mistake();
 }
 
+// Not ours, so without a seal: every column is looked up, and none reads as zeros.
+TEST_F(Hdf5Table, ADatasetThatIsShownMustBeThere) {
+  const std::vector<hdf5::VirtualPart> parts{{"source.hdf", 2}};
+  with([&](hid_t file) {
+    const hid_t type = hdf5::type_of<double>();
+    hdf5::create_virtual_dataset(file, "v", type, {2}, "/v", parts);
+    const Handle group = hdf5::create_group(file, "end");
+    hdf5::create_virtual_dataset(group, "height", type, {2}, "/end/height", parts);
+  });
+  const std::filesystem::path shown = table_;
+  const auto put_source = [&](bool height) {
+    table_ = directory_ / "source.hdf";
+    with([&](hid_t file) {
+      put(file, "v", {100, 200});
+      const Handle group = hdf5::create_group(file, "end");
+      if (height) put(group, "height", {5, 6});
+    });
+    table_ = shown;
+  };
+  try {
+    load();
+    ADD_FAILURE() << "rows of a missing file are taken";
+  } catch (const scene::SceneError& error) {
+    ASSERT_EQ(error.mistakes().size(), 2U) << error.what();
+    for (const std::string& mistake : error.mistakes()) {
+      EXPECT_NE(mistake.find("source.hdf, which is missing"), std::string::npos) << mistake;
+    }
+  }
+  put_source(false);
+  expect_mistake("dataset \"end/height\" shows rows of", "has no dataset \"/end/height\"");
+  put_source(true);
+  EXPECT_EQ(values(load(), "altitude"), (std::vector<double>{5, 6}));
+}
+
 }  // namespace
 }  // namespace salvo::recording
