@@ -137,4 +137,13 @@ void check_memory(const scene::Scene& scene, std::uint64_t bytes) {
       "fewer particles, or precision = \"float\", take less");
 }
 
+void check_memory(const scene::SweepScene& scene, std::uint64_t bytes) {
+  const std::optional<std::uint64_t> available = available_memory();
+  if (!available || bytes <= *available) return;
+  throw Failure(ExitStatus::run_failed,
+                fmt::format("{} takes {} of memory, and {} are available", scene.path,
+                            bytes_text(bytes), bytes_text(*available)),
+                "fewer samples on the way take less");
+}
+
 }  // namespace salvo::cli

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "scene/scene.hpp"
+#include "scene/sweep_scene.hpp"
 
 namespace salvo::cli {
 
@@ -21,5 +22,6 @@ std::uint64_t checkpoint_bytes(const scene::Scene& scene);
 
 /// Throws Failure (run_failed) that says how much `bytes` is and what there is.
 void check_memory(const scene::Scene& scene, std::uint64_t bytes);
+void check_memory(const scene::SweepScene& scene, std::uint64_t bytes);
 
 }  // namespace salvo::cli

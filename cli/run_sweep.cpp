@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <optional>
 
 #include "cli/interruption.hpp"
+#include "cli/mean_stop.hpp"
 #include "cli/memory.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_input.hpp"
@@ -37,8 +39,8 @@ class SweepRun {
         directory_(std::move(directory)),
         execution_(options.execution()),
         progress_(options.quiet),
-        stopping_(1),
         last_(parts_of(sweep_.rows())) {
+    if (scene.stop) stop_.emplace(scene);
     if (!options.shard) return;
     const auto [shard, shards] = *options.shard;
     first_ = last_ * (shard - 1) / shards;
@@ -57,22 +59,33 @@ class SweepRun {
 
   ExitStatus run() {
     // One part runs while another is written.
-    check_free_memory(std::min(sweep_.rows(), 2 * Sweep::part_rows));
-    recording_ = std::make_unique<recording::SweepRecording>(
-        directory_, scene_, sweep_,
-        recording::SweepOptions{options_.command_line, execution_, options_.resume,
-                                options_.force});
+    check_memory(scene_, sweep_.bytes_of(std::min(sweep_.rows(), 2 * Sweep::part_rows)));
+    recording::SweepOptions settings{options_.command_line, execution_, options_.resume,
+                                     options_.force, std::nullopt};
+    if (options_.shard) settings.shard = {first_, last_};
+    recording_ = std::make_unique<recording::SweepRecording>(directory_, scene_, sweep_, settings);
     if (!options_.json) print(solved_text(scene_));
     try {
       take_parts();
       return conclude();
     } catch (const recording::OutputError& error) {
+      seconds_ = progress_.seconds();
       progress_.clear();
       fail(error.what());
+      if (options_.json) {
+        Json document = result("failed");
+        document["exit_status"] = static_cast<int>(ExitStatus::input_output);
+        document["error"] = {{"message", error.what()}};
+        print_json(document);
+      }
       say_error(error.what(), fmt::format("recorded so far and readable: {} in {}",
                                           counted(rows(), "row"), directory_.string()));
       if (error.no_room()) say("  to go on when there is room: " + resume_command());
       return ExitStatus::input_output;
+    } catch (const std::exception& error) {
+      progress_.clear();
+      fail(error.what());
+      throw;
     }
   }
 
@@ -80,37 +93,27 @@ class SweepRun {
   static std::uint64_t parts_of(std::uint64_t rows) {
     return (rows + Sweep::part_rows - 1) / Sweep::part_rows;
   }
-  void check_free_memory(std::uint64_t rows_at_once) const {
-    const std::uint64_t bytes = sweep_.bytes_of(rows_at_once);
-    const auto available = available_memory();
-    if (!available || bytes <= *available) return;
-    throw Failure(ExitStatus::run_failed,
-                  fmt::format("{} takes {} of memory, and there are {}", scene_.path,
-                              bytes_text(bytes), bytes_text(*available)),
-                  "fewer samples on the way take less");
-  }
 
   // A part is hashed and written while the next one is computed.
   void take_parts() {
-    for (std::uint64_t part = first_; part < last_ && !stopped_; ++part) {
+    for (std::uint64_t part = first_; part < last_ && !stopped(); ++part) {
       const std::uint64_t first = part * Sweep::part_rows;
       const std::uint64_t count = std::min(Sweep::part_rows, sweep_.rows() - first);
       if (const auto kept = recording_->kept(part, count)) {
         take_written();
         parts_.push_back(*kept);
         kept_ += count;
+        // They are told from their rows, which a file does not give back as they were.
+        if (few()) tell_rows(sweep_.run(first, count, execution_));
       } else {
         auto rows = std::make_shared<const solver::SweepRows>(sweep_.run(first, count, execution_));
         efficiency_ += rows->simd_efficiency * static_cast<double>(count);
-        if (sweep_.rows() <= few_rows) {
-          few_ = rows_text(sweep_, *rows, scene_.click);
-          few_json_ = json_of(sweep_, *rows, scene_.click);
-        }
+        if (few()) tell_rows(*rows);
         take_written();
         written_ = std::async(std::launch::async,
                               [this, part, rows] { return recording_->write(part, *rows); });
       }
-      if (scene_.stop) {
+      if (stop_) {
         take_written();
         ask_to_stop();
       }
@@ -134,14 +137,17 @@ class SweepRun {
     computed_ += parts_.back().rows;
   }
 
-  // The half-width of the confidence interval of the mean, over the rows so far.
   void ask_to_stop() {
     const std::size_t column = scene_.stop->column;
-    recording_->counted_columns({parts_.back()})(
-        std::span(&column, 1), [&](auto columns) { stopping_.add_part(columns); });
-    if (stopping_.count() < 2) return;
-    half_width_ = solver::half_width_of_mean(stopping_, 0, scene_.stop->confidence);
-    stopped_ = half_width_ <= scene_.stop->half_width;
+    recording_->counted_columns({parts_.back()})(std::span(&column, 1),
+                                                 [&](auto columns) { stop_->add_part(columns); });
+  }
+  bool stopped() const { return stop_ && stop_->reached(); }
+
+  bool few() const { return sweep_.rows() <= few_rows; }
+  void tell_rows(const solver::SweepRows& rows) {
+    few_ = rows_text(sweep_, rows, scene_.click);
+    few_json_ = json_of(sweep_, rows, scene_.click);
   }
 
   ExitStatus conclude() {
@@ -152,7 +158,7 @@ class SweepRun {
       recording_->finish(RunStatus::interrupted, parts_, {}, seconds_,
                          fmt::format("interrupted after {} rows", rows()));
       if (options_.json) {
-        Json document = result("interrupted", hash);
+        Json document = result("interrupted");
         document["resume"] = resume_command();
         print_json(document);
       }
@@ -168,7 +174,7 @@ class SweepRun {
     recording_->finish(RunStatus::done, parts_,
                        told.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", seconds_);
     if (options_.json) {
-      Json document = result("done", hash);
+      Json document = result("done");
       document["statistics"] = told;
       if (!few_json_.is_null()) document["trajectories"] = few_json_;
       print_json(document);
@@ -178,10 +184,10 @@ class SweepRun {
       } else {
         print(statistics_text(scene_, sweep_, statistics, outcomes));
       }
-      if (stopped_) {
+      if (stopped()) {
         print(fmt::format("\nstopped after {}: the mean of {} is known to +-{:.4g}\n",
                           counted(rows(), "row"), sweep_.fields()[scene_.stop->column].name,
-                          half_width_));
+                          stop_->half_width()));
       }
       print(fmt::format("\nhash  {} of {}\n", to_string(hash), counted(rows(), "row")));
       if (computed_ != 0) {
@@ -189,7 +195,9 @@ class SweepRun {
                           seconds_text(seconds_), trajectory_rate(), solver::name(execution_.isa),
                           counted(static_cast<std::uint64_t>(execution_.threads), "thread")));
       }
-      if (kept_ != 0) print(fmt::format("{} were there\n", counted(kept_, "row")));
+      if (kept_ != 0) {
+        print(fmt::format("{} {} there\n", counted(kept_, "row"), kept_ == 1 ? "was" : "were"));
+      }
       print(
           fmt::format("{} in {}\n", bytes_text(recording_->bytes_written()), directory_.string()));
     }
@@ -209,7 +217,7 @@ class SweepRun {
     }
   }
 
-  Json result(const char* status, const solver::Digest& hash) const {
+  Json result(const char* status) const {
     Json document = {
         {"status", status},
         {"scene", scene_identity(scene_)},
@@ -217,7 +225,7 @@ class SweepRun {
         {"execution", json_of(execution_)},
         {"rows", rows()},
         {"kept", kept_},
-        {"hash", to_string(hash)},
+        {"hash", parts_.empty() ? Json() : Json(to_string(recording::sweep_hash(parts_)))},
         {"seconds", seconds_},
         {"trajectories_per_second", rate()},
         {"simd_efficiency", computed_ == 0 ? 1 : efficiency_ / static_cast<double>(computed_)},
@@ -229,7 +237,7 @@ class SweepRun {
       solved.by_point.empty() ? entry["value"] = solved.value : entry["values"] = solved.by_point;
       document["solved"].push_back(std::move(entry));
     }
-    if (scene_.stop) document["stop"] = {{"reached", stopped_}, {"half_width", half_width_}};
+    if (stop_) document["stop"] = {{"reached", stopped()}, {"half_width", stop_->half_width()}};
     return document;
   }
 
@@ -261,14 +269,12 @@ class SweepRun {
   std::unique_ptr<recording::SweepRecording> recording_;
   std::future<PartDigest> written_;
   std::vector<PartDigest> parts_;
-  solver::Moments stopping_;
+  std::optional<MeanStop> stop_;
   std::uint64_t first_ = 0;  // parts
   std::uint64_t last_;
   std::uint64_t kept_ = 0;  // rows
   std::uint64_t computed_ = 0;
   double efficiency_ = 0;
-  double half_width_ = 0;
-  bool stopped_ = false;
   bool interrupted_ = false;
   double seconds_ = 0;
   std::string few_;
@@ -283,6 +289,7 @@ ExitStatus run_index(const Options& options, const scene::SweepScene& scene) {
     throw UsageError(fmt::format("there is no row {}", index),
                      fmt::format("the rows go from 0 to {}", sweep.rows() - 1));
   }
+  check_memory(scene, sweep.bytes_of(1));
   const solver::SweepRows rows = sweep.run(index, 1, options.execution());
   if (options.json) {
     print_json({{"status", "done"},
@@ -310,6 +317,10 @@ ExitStatus run_sweep(const Options& options, const scene::SweepScene& scene) {
   } catch (const recording::ForeignRecording& error) {
     throw Failure(ExitStatus::input_output, error.what(),
                   "--out records elsewhere; --force replaces what is there");
+  } catch (const recording::LongerRecording& error) {
+    throw Failure(
+        ExitStatus::input_output, error.what(),
+        "more samples keep them, --out records elsewhere; --force replaces what is there");
   }
 }
 

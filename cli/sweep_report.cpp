@@ -251,6 +251,9 @@ std::string rows_text(const Sweep& sweep, const SweepRows& rows, double click) {
     samples.add(std::move(line));
   }
   text += fmt::format("\nsamples of row {}\n", rows.table.ids()[0]) + samples.text();
+  if (sweep.levels() > most_lines) {
+    text += fmt::format("... {} more\n", grouped(sweep.levels() - most_lines));
+  }
   if (click == 0) return text;
   return text +
          fmt::format("\ndrop table of row {}, clicks of {:g} mrad\n", rows.table.ids()[0],

@@ -5,7 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <optional>
 
+#include "cli/mean_stop.hpp"
+#include "cli/memory.hpp"
 #include "cli/progress.hpp"
 #include "cli/sweep_report.hpp"
 #include "cli/terminal.hpp"
@@ -14,6 +17,7 @@
 #include "recording/directory.hpp"
 #include "recording/export.hpp"
 #include "recording/output_file.hpp"
+#include "recording/run_report.hpp"
 #include "recording/sweep_part.hpp"
 #include "recording/sweep_recording.hpp"
 #include "scene/verify_sweep.hpp"
@@ -29,6 +33,8 @@ ExitStatus verify_sweep(const Options& options, const scene::SweepScene& scene, 
   if (!options.threads.empty()) settings.threads = options.threads;
   const Sweep sweep(scene.setup);
   settings.rows = options.full ? sweep.rows() : std::min(sweep.rows(), scene.verify_rows);
+  // The reference, and the rows that are compared with it.
+  check_memory(scene, 2 * sweep.bytes_of(settings.rows));
   Progress progress(options.quiet);
   settings.on_progress = [&](std::size_t run, std::size_t runs) {
     progress.update(static_cast<double>(run) / static_cast<double>(runs),
@@ -82,12 +88,20 @@ ExitStatus verify_sweep(const Options& options, const scene::SweepScene& scene, 
 
 ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
   const Sweep sweep(scene.setup);
+  check_memory(scene, sweep.bytes_of(std::min(sweep.rows(), Sweep::part_rows)));
+  std::optional<MeanStop> stop;
+  if (scene.stop) stop.emplace(scene);
   Progress progress(options.quiet);
   const solver::Parallel parallel(options.execution().threads);
   std::vector<recording::PartDigest> parts;
-  for (std::uint64_t first = 0; first < sweep.rows(); first += Sweep::part_rows) {
+  std::uint64_t hashed = 0;
+  while (hashed < sweep.rows() && !(stop && stop->reached())) {
+    const std::uint64_t first = hashed;
     const std::uint64_t count = std::min(Sweep::part_rows, sweep.rows() - first);
-    parts.push_back({first, count, sweep.run(first, count, options.execution()).hash(parallel)});
+    hashed += count;
+    const solver::SweepRows rows = sweep.run(first, count, options.execution());
+    parts.push_back({first, count, rows.hash(parallel)});
+    if (stop) stop->add_part(sweep, rows);
     progress.update(static_cast<double>(first + count) / static_cast<double>(sweep.rows()),
                     [&] { return fmt::format("row {} of {}", first + count, sweep.rows()); });
     if (!options.json) {
@@ -103,11 +117,15 @@ ExitStatus hash_sweep(const Options& options, const scene::SweepScene& scene) {
     for (const recording::PartDigest& part : parts) {
       list.push_back({{"first", part.first}, {"rows", part.rows}, {"hash", to_string(part.hash)}});
     }
-    print_json({{"status", "done"},
-                {"scene", scene_identity(scene)},
-                {"execution", json_of(options.execution())},
-                {"state_hash", total},
-                {"parts", list}});
+    Json document = {{"status", "done"},
+                     {"scene", scene_identity(scene)},
+                     {"execution", json_of(options.execution())},
+                     {"state_hash", total},
+                     {"parts", list}};
+    if (stop) document["stop"] = {{"reached", stop->reached()}, {"half_width", stop->half_width()}};
+    print_json(document);
+  } else if (hashed < sweep.rows()) {
+    print(fmt::format("{}  {} rows, where [stop] ends the sweep\n", total, hashed));
   } else {
     print(fmt::format("{}  all {} rows\n", total, sweep.rows()));
   }
@@ -171,6 +189,39 @@ void describe_sweep(const Options& options, const scene::SweepScene& scene) {
   print(line("digest", to_string(scene::row_digest(scene))));
 }
 
+namespace {
+
+// A recording's rows follow on from file to file; a shard's begin elsewhere than at row 0.
+void require_next(const recording::PartInfo& before, const recording::PartInfo& part,
+                  const std::filesystem::path& path) {
+  const std::string folder = path.parent_path().string();
+  if (part.row_digest != before.row_digest) {
+    throw Failure(ExitStatus::input_output,
+                  fmt::format("{} is of another scene than the files before it", path.string()),
+                  fmt::format("their digests are {} and {}", to_string(part.row_digest),
+                              to_string(before.row_digest)));
+  }
+  const std::uint64_t next = before.first + before.rows;
+  if (part.first == next) return;
+  throw Failure(ExitStatus::input_output,
+                part.first > next
+                    ? fmt::format("rows {} to {} are missing in {}", next, part.first - 1, folder)
+                    : fmt::format("{} begins at row {}, not {}", path.string(), part.first, next),
+                "salvo run with --resume computes what is missing");
+}
+
+// Rows that the last run left, as it says; 0 when it says nothing.
+std::uint64_t reported_rows(const std::filesystem::path& directory) {
+  try {
+    const auto run = recording::read_run_report(directory);
+    return run ? run->rows : 0;
+  } catch (const recording::CorruptFile&) {
+    return 0;
+  }
+}
+
+}  // namespace
+
 ExitStatus export_sweep(const Options& options) {
   namespace fs = std::filesystem;
   if (options.format != recording::ExportFormat::csv) {
@@ -189,8 +240,13 @@ ExitStatus export_sweep(const Options& options) {
   }
   Progress progress(options.quiet);
   std::uint64_t bytes = 0;
+  std::uint64_t rows = 0;
+  std::optional<recording::PartInfo> before;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    recording::Frame part = recording::read_part(parts[i].path);
+    auto [info, part] = recording::read_part(parts[i].path);
+    if (before) require_next(*before, info, parts[i].path);
+    rows += info.rows;
+    before = std::move(info);
     recording::select_columns(part, options.columns);
     // One header for all parts.
     bool header = i != 0;
@@ -205,6 +261,12 @@ ExitStatus export_sweep(const Options& options) {
     });
   }
   progress.clear();
+  if (const std::uint64_t recorded = reported_rows(input); rows < recorded) {
+    throw Failure(ExitStatus::input_output,
+                  fmt::format("{} holds {} of the {} rows that {} tells of", input.string(), rows,
+                              recorded, recording::run_name),
+                  "salvo run with --resume computes what is missing");
+  }
   if (to_stdout) return ExitStatus::done;
   file->commit();
   if (options.json) {

@@ -35,6 +35,11 @@ class ForeignRecording : public RecordingError {
   using RecordingError::RecordingError;
 };
 
+/// The directory holds more rows of the same sweep than are asked for.
+class LongerRecording : public RecordingError {
+  using RecordingError::RecordingError;
+};
+
 /// A recomputed state has another hash than the recording says: another salvo wrote it, or the
 /// machine errs.
 class StateMismatch : public RecordingError {

@@ -171,6 +171,9 @@ std::optional<RecordedRun> read_run_report(const std::filesystem::path& director
       run.step = result.at("step").get<std::int64_t>();
       run.state_hash = solver::digest_from(result.at("state_hash").get<std::string>());
     }
+    if (const auto sweep = json.find("sweep"); sweep != json.end()) {
+      run.rows = sweep->at("rows").get<std::uint64_t>();
+    }
     return run;
   } catch (const std::exception& error) {
     throw CorruptFile(

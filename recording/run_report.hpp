@@ -69,6 +69,7 @@ struct RecordedRun {
   solver::Digest scene_digest;
   std::int64_t step = 0;                     ///< the last recorded
   std::optional<solver::Digest> state_hash;  ///< there
+  std::uint64_t rows = 0;                    ///< of a sweep
 };
 
 /// Reads DIRECTORY/run.json; nothing when there is none. Throws CorruptFile.

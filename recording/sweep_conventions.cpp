@@ -59,4 +59,22 @@ void write_conventions(hid_t file, const scene::SweepScene& scene, const solver:
       std::string_view(fmt::format("salvo {}, model {}", SALVO_VERSION, scene.model->name)));
 }
 
+hdf5::Handle create_identity(hid_t file, const scene::SweepScene& scene,
+                             const solver::Sweep& sweep) {
+  using hdf5::write_attribute;
+  hdf5::Handle salvo = hdf5::create_group(file, "salvo");
+  write_attribute(salvo, "row_digest", std::string_view(to_string(scene::row_digest(scene))));
+  write_attribute(salvo, "outcomes", sweep.outcomes());
+  write_attribute(salvo, "scene_path", std::string_view(scene.path));
+  write_attribute(salvo, "scene", std::string_view(scene.text));
+  write_attribute(salvo, "overrides", scene.overrides);
+  write_attribute(salvo, "version", std::string_view(SALVO_VERSION));
+  write_attribute(salvo, "contract", std::int32_t{scene::contract_version});
+  return salvo;
+}
+
+soa::Field sample_time_field() {
+  return {"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0};
+}
+
 }  // namespace salvo::recording

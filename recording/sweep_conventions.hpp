@@ -12,4 +12,12 @@ namespace salvo::recording {
 /// samples/level. Throws hdf5::Error.
 void write_conventions(hid_t file, const scene::SweepScene& scene, const solver::Sweep& sweep);
 
+/// The group "salvo" with what parts and the file of all rows both say: the scene, its digest, the
+/// meaning of outcomes, and the versions. Throws hdf5::Error.
+hdf5::Handle create_identity(hid_t file, const scene::SweepScene& scene,
+                             const solver::Sweep& sweep);
+
+/// The field of the dataset samples/time.
+soa::Field sample_time_field();
+
 }  // namespace salvo::recording

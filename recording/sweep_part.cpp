@@ -91,26 +91,19 @@ void write_part(const std::filesystem::path& path, const scene::SweepScene& scen
                                {table.rows(), sweep.levels()}, std::nullopt);
       hdf5::write_all(dataset, hdf5::type_of<double>(), values.data());
     };
-    write({"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0}, rows.sample_time);
+    write(sample_time_field(), rows.sample_time);
     for (std::size_t f = 0; f < rows.samples.size(); ++f) {
       write(sweep.sample_fields()[f], rows.samples[f]);
     }
   }
   write_conventions(file, scene, sweep);
   {
-    const Handle salvo = hdf5::create_group(file, "salvo");
+    const Handle salvo = create_identity(file, scene, sweep);
     write_attribute(salvo, "first", std::uint64_t{table.rows() == 0 ? 0 : table.ids()[0]});
     write_attribute(salvo, "rows", std::uint64_t{table.rows()});
-    write_attribute(salvo, "row_digest", std::string_view(to_string(scene::row_digest(scene))));
     write_attribute(salvo, "hash", std::string_view(to_string(hash)));
     write_attribute(salvo, "precision", scene::name(table.precision()));
     write_attribute(salvo, "columns", names);
-    write_attribute(salvo, "outcomes", sweep.outcomes());
-    write_attribute(salvo, "scene_path", std::string_view(scene.path));
-    write_attribute(salvo, "scene", std::string_view(scene.text));
-    write_attribute(salvo, "overrides", scene.overrides);
-    write_attribute(salvo, "version", std::string_view(SALVO_VERSION));
-    write_attribute(salvo, "contract", std::int32_t{scene::contract_version});
   }
   write_sealed(path, file.bytes(), Durability::process);
 }
@@ -140,10 +133,11 @@ PartColumns read_part_columns(const std::filesystem::path& path,
   }
 }
 
-Frame read_part(const std::filesystem::path& path) {
+PartRows read_part(const std::filesystem::path& path) {
   return with_sealed_hdf5(path, "a part of a sweep", [](hid_t file) {
-    const PartInfo info = info_of(file);
-    Frame frame;
+    PartRows part{info_of(file), {}};
+    const PartInfo& info = part.info;
+    Frame& frame = part.frame;
     frame.info.precision = info.precision;
     frame.rows = info.rows;
     for (const std::string& name : info.columns) {
@@ -153,7 +147,7 @@ Frame read_part(const std::filesystem::path& path) {
       if (name == "outcome") column.words = info.outcomes;
       frame.columns.push_back(std::move(column));
     }
-    return frame;
+    return part;
   });
 }
 

@@ -44,7 +44,11 @@ PartColumns read_part_columns(const std::filesystem::path& path,
                               const std::vector<std::string>& names);
 
 /// All columns, for the exports of frames; outcomes by their names.
-Frame read_part(const std::filesystem::path& path);
+struct PartRows {
+  PartInfo info;
+  Frame frame;
+};
+PartRows read_part(const std::filesystem::path& path);
 
 /// "/end/x" for "end.x".
 std::string dataset_path(std::string_view field);

@@ -23,6 +23,23 @@ solver::Digest sweep_hash(const std::vector<PartDigest>& parts) {
   return solver::digest_of(words.data(), words.size() * sizeof(std::uint64_t));
 }
 
+void check_length(const std::filesystem::path& directory, const solver::Digest& scene,
+                  std::uint64_t rows) {
+  std::vector<NumberedFile> parts = list_parts(directory);
+  std::reverse(parts.begin(), parts.end());
+  for (const NumberedFile& part : parts) {
+    try {
+      const PartInfo info = read_part_info(part.path);
+      if (info.row_digest != scene) continue;
+      if (info.first + info.rows <= rows) return;
+      throw LongerRecording(fmt::format(
+          "{} holds rows of this sweep up to row {}, more than the {} that are asked for",
+          directory.string(), info.first + info.rows - 1, rows));
+    } catch (const CorruptFile&) {  // holds no rows
+    }
+  }
+}
+
 SweepRecording::SweepRecording(std::filesystem::path directory, const scene::SweepScene& scene,
                                const Sweep& sweep, SweepOptions options)
     : directory_(std::move(directory)),
@@ -32,12 +49,33 @@ SweepRecording::SweepRecording(std::filesystem::path directory, const scene::Swe
       started_(utc_now()) {
   ensure_directory(directory_);
   lock_ = std::make_unique<DirectoryLock>(directory_);
-  if (!options_.overwrite) check_ownership(directory_, scene::row_digest(scene_));
-  remove_partial_files(directory_);
-  if (!options_.resume) {
-    for (const std::filesystem::path& file : recording_files(directory_)) remove_file(file);
+  if (!options_.overwrite) {
+    const solver::Digest digest = scene::row_digest(scene_);
+    check_ownership(directory_, digest);
+    if (options_.resume || options_.shard) check_length(directory_, digest, sweep_.rows());
   }
+  remove_partial_files(directory_);
+  remove_replaced();
   write_report(RunStatus::running, {}, 0, {});
+}
+
+// What this run does not go on from: all of another scene's recording; of this scene's the rows
+// that are computed anew, and what is told of all rows.
+void SweepRecording::remove_replaced() const {
+  const bool foreign =
+      options_.overwrite && recorded_scene(directory_) != scene::row_digest(scene_);
+  if (options_.resume && !foreign) return;
+  std::vector<std::filesystem::path> kept;
+  if (options_.shard && !foreign) {
+    const auto [first, end] = *options_.shard;
+    for (const NumberedFile& part : list_parts(directory_)) {
+      const auto number = static_cast<std::uint64_t>(part.number);
+      if (number < first || number >= end) kept.push_back(part.path);
+    }
+  }
+  for (const std::filesystem::path& file : recording_files(directory_)) {
+    if (std::find(kept.begin(), kept.end(), file) == kept.end()) remove_file(file);
+  }
 }
 
 std::filesystem::path SweepRecording::part_path(std::uint64_t part) const {
@@ -97,9 +135,13 @@ std::vector<std::uint64_t> SweepRecording::outcome_counts(
 void SweepRecording::finish(RunStatus status, const std::vector<PartDigest>& parts,
                             const std::string& statistics, double seconds,
                             const std::string& reason) {
+  const bool ends_there = status == RunStatus::done && !options_.shard && !parts.empty();
+  if (ends_there && options_.resume) {
+    check_length(directory_, scene::row_digest(scene_), parts.back().first + parts.back().rows);
+  }
   if (!parts.empty()) write_index(parts);
   if (!statistics.empty()) write_file(directory_ / statistics_name, statistics);
-  if (status == RunStatus::done && !parts.empty()) {
+  if (ends_there) {
     const std::uint64_t last = parts.back().first / Sweep::part_rows;
     for (const NumberedFile& part : list_parts(directory_)) {
       if (static_cast<std::uint64_t>(part.number) > last) remove_file(part.path);
@@ -140,25 +182,17 @@ void SweepRecording::write_index(const std::vector<PartDigest>& parts) const {
   }
   if (sweep_.levels() != 0) {
     const hdf5::Extents extents{rows, sweep_.levels()};
-    add("/samples/time", {"time", soa::Scalar::real, 1, "s", "of the sample", 0, 0, 0},
-        soa::Precision::float64, extents);
+    add("/samples/time", sample_time_field(), soa::Precision::float64, extents);
     for (const soa::Field& field : sweep_.sample_fields()) {
       add("/samples/" + std::string(field.name), field, soa::Precision::float64, extents);
     }
   }
   write_conventions(file, scene_, sweep_);
   {
-    const hdf5::Handle salvo = hdf5::create_group(file, "salvo");
+    const hdf5::Handle salvo = create_identity(file, scene_, sweep_);
     write_attribute(salvo, "rows", rows);
     write_attribute(salvo, "hash", std::string_view(to_string(sweep_hash(parts))));
-    write_attribute(salvo, "row_digest", std::string_view(to_string(scene::row_digest(scene_))));
     write_attribute(salvo, "model", scene_.model->name);
-    write_attribute(salvo, "outcomes", sweep_.outcomes());
-    write_attribute(salvo, "scene_path", std::string_view(scene_.path));
-    write_attribute(salvo, "scene", std::string_view(scene_.text));
-    write_attribute(salvo, "overrides", scene_.overrides);
-    write_attribute(salvo, "version", std::string_view(SALVO_VERSION));
-    write_attribute(salvo, "contract", std::int32_t{scene::contract_version});
   }
   write_sealed(directory_ / trajectories_name, file.bytes(), Durability::process);
 }

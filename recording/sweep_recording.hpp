@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "recording/ownership.hpp"
@@ -22,7 +23,9 @@ struct SweepOptions {
   std::vector<std::string> command_line;
   solver::Execution execution;
   bool resume = false;     ///< keep intact parts of these rows
-  bool overwrite = false;  ///< replace another scene's recording
+  bool overwrite = false;  ///< replace another scene's recording, or a longer one
+  /// The run is that of a shard: parts [first, second). Those of other shards stay.
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> shard;
 };
 
 struct PartDigest {
@@ -34,9 +37,14 @@ struct PartDigest {
 /// Of the parts from the first row on, in order.
 solver::Digest sweep_hash(const std::vector<PartDigest>& parts);
 
+/// Throws LongerRecording when the directory holds rows of the scene of this digest after the first
+/// `rows`.
+void check_length(const std::filesystem::path& directory, const solver::Digest& scene,
+                  std::uint64_t rows);
+
 class SweepRecording {
  public:
-  /// Creates the folder and run.json. Throws OutputError, ForeignRecording.
+  /// Creates the folder and run.json. Throws OutputError, ForeignRecording, LongerRecording.
   SweepRecording(std::filesystem::path directory, const scene::SweepScene& scene,
                  const solver::Sweep& sweep, SweepOptions options);
 
@@ -48,12 +56,15 @@ class SweepRecording {
   /// Rows by outcome.
   std::vector<std::uint64_t> outcome_counts(const std::vector<PartDigest>& parts) const;
 
-  /// Writes the file that shows all parts, removes parts after them, and says so in run.json.
+  /// Writes the file that shows the parts, and says so in run.json. When it is done and no shard,
+  /// it removes parts after them; throws LongerRecording rather than remove rows that it was to
+  /// keep.
   void finish(RunStatus status, const std::vector<PartDigest>& parts, const std::string& statistics,
               double seconds, const std::string& reason = {});
   std::uint64_t bytes_written() const { return bytes_written_; }
 
  private:
+  void remove_replaced() const;
   void write_index(const std::vector<PartDigest>& parts) const;
   void write_report(RunStatus status, const std::vector<PartDigest>& parts, double seconds,
                     const std::string& reason) const;

@@ -104,9 +104,9 @@ class Case(unittest.TestCase):
         """What --json prints; json.loads refuses a second document or anything else beside it."""
         return json.loads(self.salvo(*arguments, "--json", status=status, **options).stdout)
 
-    def start(self, *arguments):
+    def start(self, *arguments, **options):
         return subprocess.Popen([SALVO, *arguments], cwd=self.dir, text=True, env=self.environment,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
     def wait_for(self, path, process):
         """Until a file is there, while the process is at work."""
