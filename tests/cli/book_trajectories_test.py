@@ -110,10 +110,11 @@ class BookTrajectories(unittest.TestCase):
         self.assertAlmostEqual(near, 41.4, delta=0.05)
 
     def test_clicks_of_table_18_1(self):
-        samples = self.row("table_18_1")["samples"]
-        clicks = [round(math.degrees(math.atan(-y / x)) * 60 / 0.25) for x, y in zip(samples["x"], samples["y"])]
-        for click, expected in zip(clicks, (0, 12, 26, 44, 64, 110, 167)):
-            self.assertLessEqual(abs(click - expected), 1)
+        samples = self.row("table_18_1", f"samples.click={math.radians(0.25 / 60)}")["samples"]
+        for click, x, y, expected in zip(samples["clicks_up"], samples["x"], samples["y"], (0, 12, 26, 44, 64, 110, 167)):
+            self.assertAlmostEqual(click, math.degrees(math.atan(-y / x)) * 60 / 0.25, delta=1e-9)
+            self.assertLessEqual(abs(round(click) - expected), 1)
+        self.assertEqual([abs(click) for click in samples["clicks_right"]], [0] * 7)
 
     def test_wind_deflection(self):
         row = self.row("wind_deflection")
