@@ -1,29 +1,9 @@
 #include "cli/mean_stop.hpp"
 
+#include "soa/value_at.hpp"
 #include "solver/floating_point_environment.hpp"
 
 namespace salvo::cli {
-
-namespace {
-
-double number_at(const soa::Table& table, std::size_t field, std::size_t row) {
-  if (!table.stored(field)) return table.uniform(field);
-  switch (table.fields()[field].scalar) {
-    case soa::Scalar::uint64:
-      return static_cast<double>(table.column<std::uint64_t>(field)[row]);
-    case soa::Scalar::uint32:
-      return static_cast<double>(table.column<std::uint32_t>(field)[row]);
-    case soa::Scalar::int32:
-      return static_cast<double>(table.column<std::int32_t>(field)[row]);
-    case soa::Scalar::real:
-      break;
-  }
-  return table.precision() == soa::Precision::float32
-             ? static_cast<double>(table.column<float>(field)[row])
-             : table.column<double>(field)[row];
-}
-
-}  // namespace
 
 void MeanStop::add_part(std::span<const std::vector<double>> columns) {
   // Where the sweep ends must not depend on how the caller's thread rounds.
@@ -39,8 +19,8 @@ void MeanStop::add_part(const solver::Sweep& sweep, const solver::SweepRows& row
   while (sweep.fields()[outcome].name != "outcome") ++outcome;
   std::vector<double> counted;
   for (std::size_t row = 0; row < rows.table.rows(); ++row) {
-    if (scene_.counted[static_cast<std::size_t>(number_at(rows.table, outcome, row))]) {
-      counted.push_back(number_at(rows.table, scene_.stop->column, row));
+    if (scene_.counted[static_cast<std::size_t>(soa::value_at(rows.table, outcome, row))]) {
+      counted.push_back(soa::value_at(rows.table, scene_.stop->column, row));
     }
   }
   add_part(std::span(&counted, 1));

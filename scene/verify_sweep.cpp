@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "soa/value_at.hpp"
+
 namespace salvo::scene {
 
 namespace {
@@ -13,23 +15,6 @@ namespace {
 using solver::Execution;
 using solver::Sweep;
 using solver::SweepRows;
-
-double value_at(const soa::Table& table, std::size_t field, std::size_t row) {
-  if (!table.stored(field)) return table.uniform(field);
-  switch (table.fields()[field].scalar) {
-    case soa::Scalar::uint64:
-      return static_cast<double>(table.column<std::uint64_t>(field)[row]);
-    case soa::Scalar::uint32:
-      return static_cast<double>(table.column<std::uint32_t>(field)[row]);
-    case soa::Scalar::int32:
-      return static_cast<double>(table.column<std::int32_t>(field)[row]);
-    case soa::Scalar::real:
-      break;
-  }
-  return table.precision() == soa::Precision::float32
-             ? static_cast<double>(table.column<float>(field)[row])
-             : table.column<double>(field)[row];
-}
 
 bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) ||
@@ -41,8 +26,8 @@ std::optional<SweepDifference> difference(const Sweep& sweep, const SweepRows& r
                                           const SweepRows& varied, std::uint64_t first) {
   for (std::size_t row = 0; row < varied.table.rows(); ++row) {
     for (std::size_t f = 0; f < sweep.fields().size(); ++f) {
-      const double a = value_at(reference.table, f, first + row);
-      const double b = value_at(varied.table, f, row);
+      const double a = soa::value_at(reference.table, f, first + row);
+      const double b = soa::value_at(varied.table, f, row);
       if (!same(a, b))
         return SweepDifference{first + row, std::string(sweep.fields()[f].name), a, b};
     }
