@@ -22,6 +22,14 @@ absolute_tolerance = 1e-6
 time_limit = 10
 )";
 
+// How the shots that are solved for are taken to their ends.
+const std::string finely = R"([integration]
+step = 0.05
+absolute_tolerance = 1e-9
+relative_tolerance = 1e-9
+time_limit = 10
+)";
+
 std::string mistakes_of(const std::string& text, const std::vector<std::string>& overrides = {},
                         const std::string& path = "scene.toml") {
   try {
@@ -357,12 +365,7 @@ elevation = { normal = [0, 1e-4] }
 range = 800
 [sweep]
 samples = 4
-[integration]
-step = 0.05
-absolute_tolerance = 1e-9
-relative_tolerance = 1e-9
-time_limit = 10
-[[solve]]
+)" + finely + R"([[solve]]
 input = "elevation"
 between = ["0 deg", "5 deg"]
 quantity = "end.y"
@@ -392,12 +395,7 @@ range = 300
 ballistic_coefficient = [150, 250]
 [sweep]
 samples = 3
-[integration]
-step = 0.05
-absolute_tolerance = 1e-9
-relative_tolerance = 1e-9
-time_limit = 10
-[[solve]]
+)" + finely + R"([[solve]]
 input = "elevation"
 between = ["0 deg", "5 deg"]
 quantity = "end.y"
@@ -495,12 +493,7 @@ TEST(Solve, WithOtherInputsThanTheRunIsTheZeroOfARifle) {
 speed = 800
 y = -0.04
 range = 600
-[integration]
-step = 0.05
-absolute_tolerance = 1e-9
-relative_tolerance = 1e-9
-time_limit = 10
-[[solve]]
+)" + finely + R"([[solve]]
 input = "elevation"
 between = ["0 deg", "1 deg"]
 quantity = "end.y"
@@ -538,12 +531,7 @@ speed = 800
 ground = GROUND
 range = 300
 elevation = ELEVATION
-[integration]
-step = 0.05
-absolute_tolerance = 1e-9
-relative_tolerance = 1e-9
-time_limit = 10
-[[solve]]
+)" + finely + R"([[solve]]
 input = "elevation"
 between = ["0 deg", "5 deg"]
 quantity = "end.y"
