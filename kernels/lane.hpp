@@ -78,6 +78,7 @@ class Lane<T, Scalar> {
   requires std::is_arithmetic_v<U> Lane(U constant) : value_(static_cast<T>(constant)) {}
 
   static Lane load(const T* source) { return Lane(*source); }
+  static Lane load_unaligned(const T* source) { return Lane(*source); }
   void store(T* target) const { *target = value_; }
   static Lane gather(const T* base, const std::int32_t* index) { return Lane(base[*index]); }
   void scatter(T* base, const std::int32_t* index) const { base[*index] = value_; }
@@ -158,12 +159,29 @@ class Mask {
   friend Mask operator!(Mask a) { return ~a.batch_; }
   friend bool any(Mask a) { return xsimd::any(a.batch_); }
   friend bool all(Mask a) { return xsimd::all(a.batch_); }
+  /// Bit i is lane i.
   friend std::uint32_t bits(Mask a) {
+#if defined(SALVO_ISA_avx512)
+    return a.batch_.data;
+#elif defined(SALVO_ISA_avx2)
+    if constexpr (sizeof(T) == 4) {
+      return static_cast<std::uint32_t>(_mm256_movemask_ps(a.batch_));
+    } else {
+      return static_cast<std::uint32_t>(_mm256_movemask_pd(a.batch_));
+    }
+#elif defined(SALVO_ISA_sse2)
+    if constexpr (sizeof(T) == 4) {
+      return static_cast<std::uint32_t>(_mm_movemask_ps(a.batch_));
+    } else {
+      return static_cast<std::uint32_t>(_mm_movemask_pd(a.batch_));
+    }
+#else
     alignas(64) bool lanes[Batch::size];
     a.batch_.store_aligned(lanes);
     std::uint32_t result = 0;
     for (std::size_t i = 0; i < Batch::size; ++i) result |= (lanes[i] ? 1U : 0U) << i;
     return result;
+#endif
   }
 
  private:
@@ -185,6 +203,7 @@ class Lane {
 
   /// 64-byte aligned source of `width` values.
   static Lane load(const T* source) { return Batch::load_aligned(source); }
+  static Lane load_unaligned(const T* source) { return Batch::load_unaligned(source); }
   void store(T* target) const { batch_.store_aligned(target); }
   // Through memory, one value at a time: xsimd 8.1 wants 64-bit indices for doubles and scalar
   // loops on most instruction sets anyway; the values are what a hardware gather would load.

@@ -48,6 +48,17 @@ inline std::shared_ptr<const HeightSamples> make_height_samples(std::size_t colu
   return samples;
 }
 
+/// A given motion: at time t the obstacle has moved by velocity t + amplitude sin(2 pi frequency t)
+/// and turned by angular_velocity t about its center.
+struct ObstacleMotion {
+  Triple velocity{};          // m/s
+  Triple amplitude{};         // m
+  double frequency = 0;       // 1/s
+  Triple angular_velocity{};  // rad/s
+
+  friend bool operator==(const ObstacleMotion&, const ObstacleMotion&) = default;
+};
+
 struct Obstacle {
   ObstacleShape shape = ObstacleShape::plane;
   /// A point of the plane; the middle of a sphere, box, capsule or cylinder; the corner of least x
@@ -66,6 +77,9 @@ struct Obstacle {
   /// Takes part in the impulse only: the obstacle stays where it is. The book's 100 kg obstacles
   /// thus have the effective restitution (1 + e) M/(M + m) - 1. kg
   double mass = std::numeric_limits<double>::infinity();
+  /// Particles are inside a sphere, box, capsule or cylinder. Only for particles that touch.
+  bool hollow = false;
+  ObstacleMotion motion;  // likewise
 };
 
 /// How a particle that meets an obstacle is turned back.

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <system_error>
@@ -19,6 +20,7 @@
 #include "scene/sweep_keys.hpp"
 #include "scene/terrain.hpp"
 #include "scene/units.hpp"
+#include "solver/contact_time.hpp"
 #include "solver/floating_point_environment.hpp"
 
 namespace salvo::scene {
@@ -48,6 +50,7 @@ class Completion {
     complete_obstacles();
     complete_domain();
     complete_emitters();
+    complete_contact_law();
     if (timed_) complete_frames();
     // A value that could not be read may be what the others are for.
     if (read_whole_) refuse_what_does_nothing();
@@ -110,6 +113,7 @@ class Completion {
     const TimeKeys& time = keys_.time;
     keys_.setup.t0 = time.start;
     if (!root_.find("time")) return;
+    if (keys_.setup.contact_law && given_of("time", "dt").empty()) return choose_step();
     const bool stepped = one_of("time", "dt") && (time.dt || time.steps_per_second);
     const bool limited = one_of("time", "duration") && (time.duration || time.steps);
     if (stepped) keys_.setup.dt = time.dt ? *time.dt : 1 / *time.steps_per_second;
@@ -131,6 +135,91 @@ class Completion {
     } else {
       keys_.steps = static_cast<std::int64_t>(whole);
     }
+  }
+
+  // The step that the contacts want, or the next smaller one of which there is a whole number in
+  // the run, and between its frames.
+  void choose_step() {
+    const TimeKeys& time = keys_.time;
+    if (!one_of("time", "duration") || !(time.duration || time.steps)) return;
+    solver::Setup setup = keys_.setup;
+    for (const EmitterKeys& emitter : keys_.emitters) setup.emitters.push_back(emitter);
+    for (const ObstacleKeys& obstacle : keys_.obstacles) setup.obstacles.push_back(obstacle);
+    const double step = solver::contact_time(setup).step;
+    if (!(step > 0) || !(step < std::numeric_limits<double>::max())) return;  // reported
+    if (time.steps) {
+      keys_.setup.dt = step;
+      keys_.steps = *time.steps;
+      return;
+    }
+    const FrameKeys& frames = keys_.frame_keys;
+    const double pieces = frames.count         ? static_cast<double>(*frames.count)
+                          : frames.per_second  ? std::round(*time.duration * *frames.per_second)
+                          : frames.given_every ? static_cast<double>(*frames.given_every)
+                                               : 1;
+    const double steps = std::ceil(*time.duration / (step * pieces)) * pieces;
+    if (!(steps < static_cast<double>(soa::never))) {
+      fail("time.duration", fmt::format("\"duration\" in [time] is {:.3g} steps", steps),
+           fmt::format("the contacts want steps of {:.3g} s; softer ones take longer", step));
+      return;
+    }
+    keys_.steps = static_cast<std::int64_t>(std::max(steps, 1.0));
+    keys_.setup.dt = *time.duration / static_cast<double>(keys_.steps);
+  }
+
+  // What particles that touch need.
+  void complete_contact_law() {
+    if (!keys_.setup.contact_law) {
+      for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+        const std::string path = fmt::format("obstacle.{}", i);
+        if (keys_.obstacles[i].hollow) {
+          fail(path + ".hollow", "\"hollow\" in [[obstacle]] needs particles that touch",
+               "give a [contact_law]");
+        }
+        if (attempted(path, "motion")) {
+          fail(path + ".motion", "[obstacle.motion] needs particles that touch",
+               "give a [contact_law]");
+        }
+      }
+      return;
+    }
+    const models::ContactLaw& law = *keys_.setup.contact_law;
+    if (keys_.setup.integrator != solver::IntegratorKind::semi_implicit_euler) {
+      fail("integrator", "particles that touch are stepped by semi_implicit_euler alone",
+           "remove the integrator");
+    }
+    if (root_.find("contact")) {
+      fail("contact", "[contact] is for particles that do not touch each other",
+           "obstacles are met through [contact_law]; remove one of the two");
+    }
+    if (law.friction == 0) {
+      for (const char* key : {"tangential_ratio", "rolling_friction"}) {
+        if (!attempted("contact_law", key)) continue;
+        fail(fmt::format("contact_law.{}", key),
+             fmt::format("\"{}\" in [contact_law] is given, but there is no friction", key),
+             "give a friction, or remove it");
+      }
+    }
+    for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+      const solver::Spread& radius = keys_.emitters[i].radius;
+      const std::string path = fmt::format("emitter.{}", i);
+      if (!(radius.a > 0)) {
+        fail(attempted(path, "radius") ? path + ".radius" : path,
+             "particles that touch need a radius", "give radius in [[emitter]]");
+      }
+    }
+    if (timed_ && mistakes_.count() == 0) check_step();
+  }
+
+  void check_step() {
+    const solver::ContactTime time = solver::contact_time(keys_.setup);
+    if (keys_.setup.dt <= time.longest_step) return;
+    fail(keys_.time.dt ? "time.dt" : "time",
+         fmt::format("steps of {:.3g} s cannot follow contacts of {:.3g} s", keys_.setup.dt,
+                     time.duration),
+         fmt::format("expected at most {:.3g} s, best {:.3g} s: leave \"dt\" out, or make the "
+                     "contacts softer",
+                     time.longest_step, time.step));
   }
 
   double end() const { return keys_.setup.t0 + static_cast<double>(keys_.steps) * keys_.setup.dt; }
@@ -308,6 +397,7 @@ class Completion {
       fail(path + ".time", "\"time\" in [[emitter]] is after the end", end_hint());
     }
     if (given.kind == EmitterKind::jet && timed_) complete_jet(given, path);
+    if (given.kind == EmitterKind::lattice) complete_lattice(given, path);
     at_most_one_of(path, "drag_area");
     if (given.drag_coefficient && !given.radius.varies() && given.radius.a == 0 &&
         !attempted(path, "radius")) {
@@ -327,6 +417,21 @@ class Completion {
            fmt::format("\"position\" in [[emitter]] is outside the domain in {}", "xyz"[axis]),
            fmt::format("expected {} to {} m", domain.lowest[axis], domain.highest[axis]));
       break;
+    }
+  }
+
+  void complete_lattice(EmitterKeys& given, const std::string& path) {
+    if (!(given.spacing > 0)) return;  // reported
+    double sites = 1;
+    for (const double length : given.size) sites *= length / given.spacing;
+    if (sites > 0x1p32) {
+      fail(path + ".size", fmt::format("the lattice has about {:.3g} sites", sites),
+           "expected at most 2^32");
+      return;
+    }
+    given.count = solver::lattice_sites(given);
+    if (given.count == 0) {
+      fail(path + ".size", "the lattice has no site", "expected more than a spacing each way");
     }
   }
 
@@ -443,7 +548,7 @@ class Completion {
       fail("forces.buoyancy", "\"buoyancy\" in [forces] lifts no particle: all have radius 0",
            "give an emitter a radius");
     }
-    if (root_.find("contact") && !root_.find("obstacle")) {
+    if (root_.find("contact") && !root_.find("obstacle") && !keys_.setup.contact_law) {
       fail("contact", "[contact] is given, but there is no [[obstacle]]",
            "add one, or remove [contact]");
     }

@@ -7,12 +7,15 @@ namespace salvo::scene {
 namespace {
 
 using models::Blast;
+using models::ContactLaw;
+using models::ContactLawKind;
 using models::ContactResponse;
 using models::ContactSettings;
 using models::DragLaw;
 using models::ForceSettings;
 using models::Gust;
 using models::Obstacle;
+using models::ObstacleMotion;
 using models::ObstacleShape;
 using models::PointGravity;
 using models::Wind;
@@ -23,6 +26,8 @@ using solver::Emitter;
 using solver::EmitterKind;
 using solver::EnergyShares;
 using solver::IntegratorKind;
+using solver::LatticeKind;
+using solver::LatticeShape;
 
 constexpr double most_steps = soa::never - 1;
 constexpr double most_serials = 0x1p40;
@@ -33,7 +38,8 @@ const Section<TimeKeys>& time_section() {
       "time", false, "the steps: one of dt and steps_per_second, one of duration and steps",
       {
           of.key("start", "s", &TimeKeys::start, "time of step 0"),
-          of.key("dt", "s", &TimeKeys::dt, "time step", positive),
+          of.key("dt", "s", &TimeKeys::dt, "time step", positive)
+              .otherwise("with a contact law: chosen from stiffness and mass"),
           of.key("steps_per_second", "1/s", &TimeKeys::steps_per_second, "the same, as a rate",
                  positive),
           of.key("duration", "s", &TimeKeys::duration, "simulated time, a whole number of steps",
@@ -184,6 +190,72 @@ const Section<ContactSettings>& contact_section() {
   return section;
 }
 
+const Section<ContactLaw>& contact_law_section() {
+  constexpr KeysOf<ContactLaw> of;
+  constexpr Kinds linear = kinds(ContactLawKind::linear_spring);
+  constexpr Kinds hertz = kinds(ContactLawKind::hertz_mindlin);
+  static const Section<ContactLaw> section =
+      Section<ContactLaw>(
+          "contact_law", false,
+          "particles that touch: each other, and obstacles through the same law; without it they "
+          "pass through each other",
+          {
+              of.word("kind", &ContactLaw::kind, "the force of an overlap",
+                      {{"linear_spring", ContactLawKind::linear_spring,
+                        "normal_stiffness times the overlap, and a dashpot"},
+                       {"hertz_mindlin", ContactLawKind::hertz_mindlin,
+                        "elastic spheres of one material, and a dashpot"}})
+                  .must(),
+              of.key("normal_stiffness", "N/m", &ContactLaw::normal_stiffness,
+                     "of the linear spring", positive)
+                  .only(linear)
+                  .must(),
+              of.key("tangential_ratio", "", &ContactLaw::tangential_ratio,
+                     "tangential stiffness over the normal one", above(0, 1e3))
+                  .only(linear),
+              of.key("young_modulus", "Pa", &ContactLaw::young_modulus, "of the material", positive)
+                  .only(hertz)
+                  .must(),
+              of.key("poisson_ratio", "", &ContactLaw::poisson_ratio, "of the material",
+                     between(0, 0.5))
+                  .only(hertz),
+              of.key("restitution", "", &ContactLaw::restitution,
+                     "of a head-on impact of two particles; an obstacle has its own",
+                     between(0.01, 1)),
+              of.key("tangential_damping", "", &ContactLaw::tangential_damping,
+                     "over the normal damping", between(0, 10)),
+              of.key("friction", "", &ContactLaw::friction,
+                     "Coulomb coefficient between particles; with it they turn", not_negative),
+              of.key("rolling_friction", "", &ContactLaw::rolling_friction,
+                     "greatest rolling moment over the normal force and the effective radius",
+                     not_negative),
+              of.key("surface_energy", "J/m^2", &ContactLaw::surface_energy,
+                     "cohesion: spheres that touch pull with 4 pi times this and the effective "
+                     "radius",
+                     not_negative),
+              of.key("energy_budget", "", &ContactLaw::energy_budget,
+                     "keep the heat that each particle's contacts make"),
+          })
+          .decided_by([](const ContactLaw& law) { return static_cast<int>(law.kind); });
+  return section;
+}
+
+const Section<ObstacleMotion>& motion_section() {
+  constexpr KeysOf<ObstacleMotion> of;
+  static const Section<ObstacleMotion> section(
+      "obstacle.motion", false,
+      "a given motion, for particles that touch: at time t the obstacle has moved by velocity t + "
+      "amplitude sin(2 pi frequency t) and turned by angular_velocity t about its position",
+      {
+          of.key("velocity", "m/s", &ObstacleMotion::velocity, "steady"),
+          of.key("amplitude", "m", &ObstacleMotion::amplitude, "of a swing to and fro"),
+          of.key("frequency", "1/s", &ObstacleMotion::frequency, "of the swing", not_negative),
+          of.key("angular_velocity", "rad/s", &ObstacleMotion::angular_velocity,
+                 "along the axis that it turns about"),
+      });
+  return section;
+}
+
 const Section<Hills>& hills_section() {
   constexpr KeysOf<Hills> of;
   static const Section<Hills> section(
@@ -208,7 +280,7 @@ const Section<ObstacleKeys>& obstacle_section() {
   constexpr Kinds field = kinds(Shape::height_field);
   static const Section<ObstacleKeys> section =
       Section<ObstacleKeys>(
-          "obstacle", true, "a fixed obstacle; obstacles are met in the order of the file",
+          "obstacle", true, "an obstacle; obstacles are met in the order of the file",
           {
               of.word("shape", &Obstacle::shape, "what it is", words_of<Shape>()).must(),
               of.key("position", "m", &Obstacle::center,
@@ -246,6 +318,12 @@ const Section<ObstacleKeys>& obstacle_section() {
               of.key("mass", "kg", &Obstacle::mass,
                      "takes part in the impulse alone: the obstacle stays", positive)
                   .otherwise("infinite"),
+              of.key("hollow", "", &Obstacle::hollow,
+                     "particles are inside; only of particles that touch")
+                  .only(kinds(Shape::sphere, Shape::box, Shape::capsule, Shape::cylinder)),
+              of.table(
+                  "motion", motion_section(),
+                  [](ObstacleKeys & obstacle) -> auto& { return obstacle.motion; }),
           })
           .decided_by([](const ObstacleKeys& o) { return static_cast<int>(o.shape); });
   return section;
@@ -273,7 +351,8 @@ const Section<EmitterKeys>& emitter_section() {
   constexpr Kinds budget = kinds(Kind::energy_explosion);
   constexpr Kinds jet = kinds(Kind::jet);
   constexpr Kinds narrow = kinds(Kind::cone, Kind::jet);
-  constexpr Kinds at_speed = kinds(Kind::burst, Kind::shell, Kind::cone, Kind::jet);
+  constexpr Kinds at_speed = kinds(Kind::burst, Kind::shell, Kind::cone, Kind::jet, Kind::lattice);
+  constexpr Kinds lattice = kinds(Kind::lattice);
   static const Section<EmitterKeys> section =
       Section<EmitterKeys>(
           "emitter", true, "a source of particles",
@@ -285,7 +364,7 @@ const Section<EmitterKeys>& emitter_section() {
                      between(0, static_cast<double>(soa::max_stream - 1)))
                   .otherwise("its place in the list, from 0"),
               of.key("count", "", &Emitter::count, "particles", between(1, most_serials))
-                  .only(~jet)
+                  .only(~(jet | lattice))
                   .must(),
               of.key("time", "s", &EmitterKeys::given_time, "when it fires, or begins to")
                   .otherwise("the start"),
@@ -294,7 +373,29 @@ const Section<EmitterKeys>& emitter_section() {
                   .only(~budget),
               of.key("source_radius", "m", &Emitter::source_radius,
                      "of the ball (the sphere of a shell) from which particles start", not_negative)
-                  .only(~book),
+                  .only(~(book | lattice)),
+              of.word("lattice", &Emitter::lattice, "where the sites are",
+                      {{"cubic", LatticeKind::cubic, "at the corners of cubes"},
+                       {"close_packed", LatticeKind::close_packed,
+                        "in hexagonal layers, as densely as equal spheres go"}})
+                  .only(lattice),
+              of.word("shape", &Emitter::shape, "what the lattice fills of its box",
+                      {{"box", LatticeShape::box, "all"},
+                       {"ellipsoid", LatticeShape::ellipsoid, "the largest one"},
+                       {"cone", LatticeShape::cone, "the largest one that points up, along y"}})
+                  .only(lattice),
+              of.key("spacing", "m", &Emitter::spacing,
+                     "of the nearest sites; layers follow one another along y", positive)
+                  .only(lattice)
+                  .must(),
+              of.key("size", "m", &Emitter::size,
+                     "of the box about the position; sites keep half a spacing from its faces",
+                     positive)
+                  .only(lattice)
+                  .must(),
+              of.key("jitter", "m", &Emitter::jitter,
+                     "greatest random displacement from the site along each axis", not_negative)
+                  .only(lattice),
               of.key("direction", "", &Emitter::direction, "axis of the cone, of any length")
                   .only(narrow),
               of.key("half_angle", "rad", &Emitter::half_angle, "of the cone",
@@ -332,6 +433,8 @@ const Section<EmitterKeys>& emitter_section() {
                        {"book", EnergyShares::book,
                         "each in turn draws a speed from what is left: the first take nearly all"}})
                   .only(budget),
+              of.key("angular_velocity", "rad/s", &Emitter::angular_velocity,
+                     "of particles that touch, with friction"),
               of.field(ParticleField::mass, &Emitter::mass),
               of.field(ParticleField::radius, &Emitter::radius),
               of.field(ParticleField::drag_area, &EmitterKeys::given_drag_area).otherwise("0"),
@@ -433,6 +536,9 @@ const Section<SceneKeys>& scene_section() {
           of.table(
               "contact", contact_section(),
               [](Scene & scene) -> auto& { return scene.setup.contact; }),
+          of.table(
+              "contact_law", contact_law_section(),
+              [](Scene & scene) -> auto& { return scene.setup.contact_law.emplace(); }),
           of.list("obstacle", obstacle_section(), &SceneKeys::obstacles),
           of.table("domain", domain_section(), &SceneKeys::domain),
           of.list("emitter", emitter_section(), &SceneKeys::emitters).must(),

@@ -46,6 +46,7 @@ enum class VerifyAxis {
   threads,  ///< more threads
   pass,     ///< more steps a pass
   resume,   ///< stopped at the middle frame, resumed from a copy of its state
+  lists,    ///< the broad phase of particles that touch goes about it in another way
   rows,     ///< two rows of three taken out: other lanes, neighbours and tiles for those that stay
   emitter,  ///< one emitter alone
 };

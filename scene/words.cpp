@@ -37,7 +37,8 @@ const Words& words_of<EmitterKind>() {
        "section 2.6 of the book: in the x-y plane, whole-number speeds in strength/2 to strength, "
        "whole degrees, lives of 80 to 100 % of the longest"},
       {"energy_explosion", EmitterKind::energy_explosion,
-       "section 18.4.1 of the book: speeds from an energy budget that is never exceeded"}};
+       "section 18.4.1 of the book: speeds from an energy budget that is never exceeded"},
+      {"lattice", EmitterKind::lattice, "at the sites of a lattice, without overlap"}};
   return words;
 }
 

@@ -20,6 +20,10 @@ enum class ParticleField : std::size_t {
   birth,
   death,
   group,
+  angular_velocity,
+  residual,
+  damping_loss,
+  friction_loss,
 };
 
 /// A death step that never comes.
@@ -27,7 +31,7 @@ inline constexpr std::int32_t never = std::numeric_limits<std::int32_t>::max();
 
 inline constexpr double unbounded = std::numeric_limits<double>::max();
 
-inline constexpr std::array<Field, 9> particle_fields{{
+inline constexpr std::array<Field, 13> particle_fields{{
     {"id", Scalar::uint64, 1, "", "stream (high 24 bits) and serial within it (low 40 bits)", 0, 0,
      unbounded},
     {"position", Scalar::real, 3, "m", "centre of the particle", 0, -unbounded, unbounded},
@@ -39,6 +43,13 @@ inline constexpr std::array<Field, 9> particle_fields{{
     {"death", Scalar::int32, 1, "step", "first step at which the particle is gone", never, 0,
      never},
     {"group", Scalar::uint32, 1, "", "label of the emitter's choice", 0, 0, 4294967295.0},
+    {"angular_velocity", Scalar::real, 3, "rad/s", "of a particle that touches others", 0,
+     -unbounded, unbounded},
+    {"residual", Scalar::real, 3, "m", "what rounding left out of the position", 0, -unbounded,
+     unbounded},
+    {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, 0,
+     unbounded},
+    {"friction_loss", Scalar::real, 1, "J", "heat from slip in its contacts", 0, 0, unbounded},
 }};
 
 constexpr const Field& field(ParticleField which) {

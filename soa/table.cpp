@@ -28,6 +28,20 @@ void Table::for_each_column(Move&& move) {
   }
 }
 
+Table Table::copy() const {
+  Table result(fields_, precision_, stored_);
+  result.uniform_ = uniform_;
+  result.append(rows_);
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    if (!stored_[f] || rows_ == 0) continue;
+    const std::size_t bytes = rows_ * size_of(fields_[f].scalar, precision_);
+    for (std::size_t c = 0; c < fields_[f].components; ++c) {
+      std::memcpy(result.bytes(f, c), this->bytes(f, c), bytes);
+    }
+  }
+  return result;
+}
+
 void Table::reserve(std::size_t rows) {
   for_each_column([&](Column& column) { column.reserve(rows); });
 }

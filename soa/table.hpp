@@ -20,6 +20,9 @@ class Table {
   /// stored.
   Table(std::span<const Field> fields, Precision precision, const std::vector<bool>& stored);
 
+  /// The same fields and rows.
+  Table copy() const;
+
   std::span<const Field> fields() const { return fields_; }
   Precision precision() const { return precision_; }
   std::size_t rows() const { return rows_; }

@@ -34,6 +34,7 @@ constexpr std::uint32_t book_speed = 9;
 constexpr std::uint32_t book_sign = 10;
 constexpr std::uint32_t book_angle = 11;
 constexpr std::uint32_t book_life = 12;
+constexpr std::uint32_t jitter = 13;  // and the two after it
 constexpr std::uint32_t stride = 16;  // distance of the repeated draws of a rejection
 }  // namespace draw
 
@@ -90,6 +91,43 @@ void book_explosion(const Emitter& emitter, const Draws& draws, std::int64_t ste
   born.death = death_step(step, life, dt);
 }
 
+// Calls visit(site) for the sites of a lattice, relative to the middle of its box, from the lowest
+// layer up, each layer in rows along x.
+template <class Visit>
+void for_each_site(const Emitter& emitter, const Visit& visit) {
+  const bool dense = emitter.lattice == LatticeKind::close_packed;
+  const double a = emitter.spacing;
+  const double row_step = dense ? a * sqrt(S(0.75)).value() : a;
+  const double layer_step = dense ? a * sqrt(S(2.0 / 3.0)).value() : a;
+  const auto along = [](double length, double step) {
+    return static_cast<std::int64_t>(floor(S(length / step + 1e-9)).value()) + 1;
+  };
+  // Sites keep half a spacing from the faces of the box.
+  const Vec3<double> room{emitter.size[0] - a, emitter.size[1] - a, emitter.size[2] - a};
+  if (room.x < 0 || room.y < 0 || room.z < 0) return;
+  const std::int64_t layers = along(room.y, layer_step);
+  for (std::int64_t k = 0; k < layers; ++k) {
+    // Every other layer lies in the hollows of the one below, every other row between the sites.
+    const double z_shift = dense && k % 2 == 1 ? row_step / 3 : 0;
+    const double y = -0.5 * room.y + static_cast<double>(k) * layer_step;
+    for (std::int64_t j = 0; j < along(room.z - z_shift, row_step); ++j) {
+      const double x_shift = dense && (j + k) % 2 == 1 ? 0.5 * a : 0;
+      const double z = -0.5 * room.z + z_shift + static_cast<double>(j) * row_step;
+      for (std::int64_t i = 0; i < along(room.x - x_shift, a); ++i) {
+        const double x = -0.5 * room.x + x_shift + static_cast<double>(i) * a;
+        const double u = 2 * x / emitter.size[0];
+        const double v = 2 * y / emitter.size[1];
+        const double w = 2 * z / emitter.size[2];
+        const double across = u * u + w * w;
+        const double radius = 0.5 * (1 - v);  // of a cone at this height
+        if (emitter.shape == LatticeShape::ellipsoid && across + v * v > 1) continue;
+        if (emitter.shape == LatticeShape::cone && across > radius * radius) continue;
+        visit(Vec3<double>{x, y, z});
+      }
+    }
+  }
+}
+
 // Uniform within a ball about the origin.
 Vec3<double> in_ball(double radius, const Draws& draws) {
   if (!(radius > 0)) return {0, 0, 0};
@@ -128,6 +166,14 @@ Newborn newborn(const Emitter& emitter, const Draws& draws, std::int64_t step, d
       break;
     case EmitterKind::book_explosion:
       book_explosion(emitter, draws, step, dt, born);
+      break;
+    case EmitterKind::lattice:
+      born.velocity = draws.on_sphere(draw::direction) * speed;
+      if (emitter.jitter > 0) {
+        born.position = {draws.uniform(draw::jitter, -emitter.jitter, emitter.jitter),
+                         draws.uniform(draw::jitter + 1, -emitter.jitter, emitter.jitter),
+                         draws.uniform(draw::jitter + 2, -emitter.jitter, emitter.jitter)};
+      }
       break;
   }
   born.position += vector(emitter.position);
@@ -198,6 +244,15 @@ void emit_rows(const Emitter& emitter, std::uint64_t seed, std::int64_t step, do
     }
     speeds = energy_speeds(emitter, seed, first_serial, masses);
   }
+  std::vector<Vec3<double>> sites;
+  if (emitter.kind == EmitterKind::lattice) {
+    std::uint64_t serial = 0;
+    sites.reserve(count);
+    for_each_site(emitter, [&](const Vec3<double>& site) {
+      if (serial >= first_serial && serial < first_serial + count) sites.push_back(site);
+      ++serial;
+    });
+  }
   const std::size_t tasks = (count + rows_per_task - 1) / rows_per_task;
   parallel.for_each(tasks, [&](std::size_t task) {
     const std::size_t last = std::min<std::size_t>(count, (task + 1) * rows_per_task);
@@ -206,6 +261,7 @@ void emit_rows(const Emitter& emitter, std::uint64_t seed, std::int64_t step, do
       const Draws draws(seed, id);
       Newborn born = newborn(emitter, draws, step, dt);
       if (budget) born.velocity = draws.on_sphere(draw::direction) * (speeds[i] * (1 - 0x1p-50));
+      if (!sites.empty()) born.position += sites[i];
       const std::size_t row = first + i;
       table.ids()[row] = id;
       store<T>(table, ParticleField::position, 0, row, born.position.x);
@@ -214,6 +270,9 @@ void emit_rows(const Emitter& emitter, std::uint64_t seed, std::int64_t step, do
       store<T>(table, ParticleField::velocity, 0, row, born.velocity.x, budget);
       store<T>(table, ParticleField::velocity, 1, row, born.velocity.y, budget);
       store<T>(table, ParticleField::velocity, 2, row, born.velocity.z, budget);
+      for (std::size_t c = 0; c < 3; ++c) {
+        store<T>(table, ParticleField::angular_velocity, c, row, emitter.angular_velocity[c]);
+      }
       store<T>(table, ParticleField::mass, 0, row, born.mass);
       store<T>(table, ParticleField::radius, 0, row, born.radius);
       store<T>(table, ParticleField::drag_area, 0, row, born.drag_area);
@@ -268,6 +327,12 @@ std::int64_t EmissionSchedule::next(std::int64_t step) const {
     }
   }
   return low;
+}
+
+std::uint64_t lattice_sites(const Emitter& emitter) {
+  std::uint64_t sites = 0;
+  for_each_site(emitter, [&](const Vec3<double>&) { ++sites; });
+  return sites;
 }
 
 void emit(const Emitter& emitter, std::uint64_t seed, std::int64_t step, double dt,

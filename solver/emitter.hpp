@@ -32,7 +32,15 @@ enum class EmitterKind {
   jet,               ///< into a cone about a direction, at a rate, for a duration
   book_explosion,    ///< Bourg & Bywalec 2.6: plane, whole-number speeds, angles and lives
   energy_explosion,  ///< Bourg & Bywalec 18.4.1: speeds from an energy budget
+  lattice,           ///< at the sites of a lattice, without overlap
 };
+
+/// Where a lattice has its sites: `cubic` at the corners of cubes, `close_packed` in hexagonal
+/// layers as densely as equal spheres go. Layers follow one another along y.
+enum class LatticeKind { cubic, close_packed };
+
+/// What a lattice fills of its box: all, the largest ellipsoid, or the largest cone that points up.
+enum class LatticeShape { box, ellipsoid, cone };
 
 /// How an energy explosion shares its budget. `book` draws each speed from what is left, in order;
 /// the others scale drawn shares so that the budget is met from below.
@@ -64,6 +72,12 @@ struct Emitter {
   std::optional<double> angle;
   double life_ms = 4000;  ///< life of the book's explosion, ms
   double energy = 0;      ///< J, budget of an energy explosion
+  LatticeKind lattice = LatticeKind::cubic;
+  LatticeShape shape = LatticeShape::box;
+  double spacing = 0;         ///< of the nearest sites of a lattice, m
+  Triple size{};              ///< of a lattice's box about `position`, m
+  double jitter = 0;          ///< greatest random displacement from a site along each axis, m
+  Triple angular_velocity{};  ///< rad/s, of particles that touch
   EnergyShares shares = EnergyShares::equal;
 };
 
@@ -88,6 +102,10 @@ class EmissionSchedule {
 /// The first step whose time t0 + n dt is at or after `time` (within 1e-9 of a step). Steps start
 /// at zero.
 std::int64_t step_at(double time, double t0, double dt);
+
+/// Sites that the lattice of an emitter has; its particles take the first `count` of them, from the
+/// lowest layer up.
+std::uint64_t lattice_sites(const Emitter& emitter);
 
 /// Fills rows [first, first + count) of the table with the serials from `first_serial` on of this
 /// emitter, born at `step`.

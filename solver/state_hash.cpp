@@ -56,7 +56,9 @@ template <class Raw, bool Real>
 Digest leaf_digest(const soa::Table& table, std::size_t field, const Leaf& leaf) {
   const std::size_t components = table.fields()[field].components;
   const bool is_id = field == 0;
-  std::byte buffer[leaf_serials * (sizeof(soa::Id) + 3 * sizeof(double))];
+  thread_local std::vector<std::byte> room;
+  room.resize((leaf.last - leaf.first) * (sizeof(soa::Id) + 3 * sizeof(double)));
+  std::byte* const buffer = room.data();
   const std::byte* columns[3] = {};
   for (std::size_t c = 0; c < components; ++c) columns[c] = table.bytes(field, c);
   std::byte* end = buffer;
@@ -105,6 +107,15 @@ class Accumulator {
   std::vector<std::byte> bytes_;
 };
 
+Digest total_of(const std::vector<FieldDigest>& fields) {
+  Accumulator total;
+  for (const FieldDigest& field : fields) {
+    total.add(field.field);
+    total.add(field.digest);
+  }
+  return total.finish();
+}
+
 }  // namespace
 
 Digest digest_of(const void* bytes, std::size_t size) {
@@ -152,7 +163,6 @@ StateHash state_hash(const soa::Table& table, const Parallel& parallel) {
     }
   });
   StateHash hash;
-  Accumulator total;
   for (std::size_t f = 0; f < stored.size(); ++f) {
     Accumulator column;
     for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
@@ -162,11 +172,14 @@ StateHash state_hash(const soa::Table& table, const Parallel& parallel) {
     }
     const std::string_view field = table.fields()[stored[f]].name;
     hash.fields.push_back({field, column.finish()});
-    total.add(field);
-    total.add(hash.fields.back().digest);
   }
-  hash.total = total.finish();
+  hash.total = total_of(hash.fields);
   return hash;
+}
+
+void append(StateHash& hash, const StateHash& more) {
+  hash.fields.insert(hash.fields.end(), more.fields.begin(), more.fields.end());
+  hash.total = total_of(hash.fields);
 }
 
 }  // namespace salvo::solver

@@ -39,7 +39,10 @@ struct StateHash {
   std::vector<FieldDigest> fields;
 };
 
-/// The table must be sorted by id.
+/// Adds the fields of another table to a hash.
+void append(StateHash& hash, const StateHash& more);
+
+/// The table must be sorted by id; rows of one id keep their order.
 StateHash state_hash(const soa::Table& table, const Parallel& parallel);
 
 /// XXH3-128 of bytes: recordings and checkpoints use it as their checksum.

@@ -116,6 +116,11 @@ std::vector<bool> World::stored_fields(const Setup& setup) {
   // A particle that the scene wants removed dies of it.
   stored[index(ParticleField::death)] = !never(dies) || setup.on_bad == BadRowPolicy::remove;
   stored[index(ParticleField::group)] = !same([](const Emitter& e) { return e.group; });
+  const models::ContactLaw* law = setup.contact_law ? &*setup.contact_law : nullptr;
+  stored[index(ParticleField::angular_velocity)] = law && law->frictional();
+  stored[index(ParticleField::residual)] = law && setup.precision == soa::Precision::float32;
+  stored[index(ParticleField::damping_loss)] = law && law->energy_budget;
+  stored[index(ParticleField::friction_loss)] = law && law->energy_budget;
   return stored;
 }
 
@@ -156,9 +161,11 @@ World::World(const Setup& setup, const Execution& execution)
     : setup_(checked(setup)),
       execution_(checked(execution)),
       parallel_(std::make_unique<Parallel>(execution.threads)),
-      particles_(empty_table(setup)) {
+      particles_(empty_table(setup)),
+      contacts_(empty_contacts(setup)) {
   const FloatingPointEnvironment environment;
   setup_ = normalized(setup_);
+  make_solver();
   for (const Emitter& emitter : setup_.emitters) {
     schedules_.emplace_back(emitter, setup_.t0, setup_.dt);
   }
@@ -168,16 +175,58 @@ World::World(const Setup& setup, const Execution& execution)
 }
 
 void World::execute_as(const Execution& execution) {
-  execution_ = checked(execution);
+  const Execution& next = checked(execution);
+  settle();
+  execution_ = next;
+  contact_solver_.reset();
   parallel_ = std::make_unique<Parallel>(execution.threads);
+  make_solver();
+}
+
+void World::make_solver() {
+  if (!setup_.contact_law) return;
+  contact_solver_ = make_contact_solver(setup_, execution_.isa, execution_.contact, *parallel_);
+}
+
+const soa::Table& World::particles() const {
+  // The state is the same before and after; only where it rests changes.
+  const_cast<World*>(this)->settle();
+  return particles_;
+}
+
+const soa::Table& World::contacts() const {
+  const_cast<World*>(this)->settle();
+  return contacts_;
+}
+
+const ContactProfile* World::contact_profile() const {
+  return contact_solver_ ? &contact_solver_->profile() : nullptr;
+}
+
+void World::settle() {
+  if (!in_contact_solver_ || settled_) return;
+  const FloatingPointEnvironment environment;
+  contact_solver_->store(particles_, contacts_);
+  if (any_gone_) {
+    next_death_ = 0;
+    remove_dead();
+    in_contact_solver_ = false;
+    any_gone_ = false;
+  }
+  settled_ = true;
 }
 
 void World::emit_due() {
-  const std::size_t present = particles_.rows();
+  std::size_t present = particles_.rows();
   for (std::size_t e = 0; e < schedules_.size(); ++e) {
     const std::uint64_t before = schedules_[e].emitted_before(step_);
     const std::uint64_t count = schedules_[e].emitted_before(step_ + 1) - before;
     if (count == 0) continue;
+    if (in_contact_solver_) {
+      settle();
+      in_contact_solver_ = false;
+      present = particles_.rows();
+    }
     const std::size_t first = particles_.append(count);
     emit(setup_.emitters[e], setup_.seed, step_, setup_.dt, before, count, particles_, first,
          *parallel_);
@@ -217,6 +266,11 @@ void World::advance_to(std::int64_t target) {
   const FloatingPointEnvironment environment;
   while (step_ < target) {
     const auto steps = static_cast<std::int32_t>(pass_end(target) - step_);
+    if (setup_.contact_law) {
+      advance_contacts(steps);
+      emit_due();
+      continue;
+    }
     if (setup_.precision == soa::Precision::float32) {
       run_pass(steps, instants_single_);
     } else {
@@ -225,9 +279,33 @@ void World::advance_to(std::int64_t target) {
     step_ += steps;
     emit_due();
   }
+  if (in_contact_solver_) return;
   // Within, the dead only rest: their rows go when somebody looks.
   remove_dead();
   particles_.sort_by_id();
+}
+
+// Of particles that touch each step is a pass.
+void World::advance_contacts(std::int64_t steps) {
+  if (!in_contact_solver_) {
+    remove_dead();
+    particles_.sort_by_id();
+    contact_solver_->load(particles_, contacts_);
+    in_contact_solver_ = true;
+  }
+  settled_ = false;
+  for (const std::int64_t end = step_ + steps; step_ < end; ++step_) {
+    const bool deaths = next_death_ <= step_ + 1;
+    const std::uint64_t before = contact_solver_->steps_taken();
+    const auto bad = contact_solver_->advance(step_, deaths, setup_.on_bad == BadRowPolicy::remove);
+    particle_steps_ += contact_solver_->steps_taken() - before;
+    bad_rows_.assign(bad.begin(), bad.end());
+    const bool removed = !bad.empty();
+    report_bad_rows();
+    if (deaths) next_death_ = contact_solver_->next_death(step_ + 1);
+    // Those that are gone keep their rows until somebody looks.
+    if (removed || deaths) any_gone_ = true;
+  }
 }
 
 template <class T>
@@ -410,15 +488,22 @@ void World::remove_dead() {
 
 Diagnostics World::diagnose() const {
   const FloatingPointEnvironment environment;
-  return solver::diagnose(particles_, setup_.forces, *parallel_);
+  return solver::diagnose(particles(), setup_.forces, *parallel_);
 }
 
-StateHash World::hash() const { return state_hash(particles_, *parallel_); }
+StateHash World::hash() const {
+  StateHash hash = state_hash(particles(), *parallel_);
+  if (remembers_contacts(setup_)) append(hash, state_hash(contacts(), *parallel_));
+  return hash;
+}
 
 void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
-                    std::uint64_t removed) {
+                    std::uint64_t removed, std::optional<soa::Table> contacts) {
   step_ = step;
+  in_contact_solver_ = false;
+  any_gone_ = false;
   particles_ = std::move(particles);
+  contacts_ = contacts ? std::move(*contacts) : empty_contacts(setup_);
   particles_.reserve(total_emitted(setup_));
   tally_ = tally;
   removed_ = removed;

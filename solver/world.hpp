@@ -11,6 +11,7 @@
 
 #include "soa/particle_fields.hpp"
 #include "soa/table.hpp"
+#include "solver/contact_solver.hpp"
 #include "solver/emitter.hpp"
 #include "solver/isa.hpp"
 #include "solver/parallel.hpp"
@@ -33,6 +34,9 @@ struct Setup {
   models::ForceSettings forces;
   std::vector<models::Obstacle> obstacles;
   models::ContactSettings contact;
+  /// Of particles that touch each other, and obstacles through the same law; none: they pass
+  /// through each other, and `contact` says how they meet obstacles.
+  std::optional<models::ContactLaw> contact_law;
   Domain domain;
   BadRowPolicy on_bad = BadRowPolicy::stop;
   std::vector<Emitter> emitters;
@@ -43,6 +47,7 @@ struct Execution {
   Isa isa = widest_isa();
   int threads = hardware_threads();
   std::int32_t pass_steps = 32;  ///< steps a pass, at most
+  ContactTuning contact{};
 };
 
 /// Why and where a particle went bad.
@@ -82,7 +87,11 @@ class World {
   std::int64_t step() const { return step_; }
   double time() const;
   /// Sorted by id; rows that are alive at this step.
-  const soa::Table& particles() const { return particles_; }
+  const soa::Table& particles() const;
+  /// With a contact law: what the contacts remember, sorted by id and partner.
+  const soa::Table& contacts() const;
+  /// Where the time of the contacts went; null without a contact law.
+  const ContactProfile* contact_profile() const;
   const Parallel& parallel() const { return *parallel_; }
   /// Impacts and rests since the start.
   ContactTally tally() const { return tally_; }
@@ -107,9 +116,11 @@ class World {
   Diagnostics diagnose() const;
   StateHash hash() const;
 
-  /// Replaces the state by that of a checkpoint: a table of the same fields, sorted by id, at
+  /// Replaces the state by that of a checkpoint: tables of the same fields, sorted by id, at
   /// `step`.
-  void restore(std::int64_t step, soa::Table particles, ContactTally tally, std::uint64_t removed);
+  /// Without `contacts` none remembers anything.
+  void restore(std::int64_t step, soa::Table particles, ContactTally tally, std::uint64_t removed,
+               std::optional<soa::Table> contacts = std::nullopt);
 
   /// Which fields the set-up's tables store.
   static std::vector<bool> stored_fields(const Setup& setup);
@@ -135,6 +146,9 @@ class World {
   template <class T>
   void rerun_unsaved(const ParticlePass<T>& pass, std::size_t block, std::uint64_t rows);
   void report_bad_rows();
+  void advance_contacts(std::int64_t steps);
+  void make_solver();
+  void settle();  // what a look at the state wants to see
   void remove_dead();
   void find_next_death(std::size_t first_row);  // among the rows from this one on
 
@@ -142,6 +156,11 @@ class World {
   Execution execution_;
   std::unique_ptr<Parallel> parallel_;
   soa::Table particles_;
+  soa::Table contacts_;
+  std::unique_ptr<ContactSolver> contact_solver_;
+  bool in_contact_solver_ = false;  // the state is there
+  bool settled_ = true;             // and in the tables, too
+  bool any_gone_ = false;           // rows of the contact solver that are to be removed
   std::vector<EmissionSchedule> schedules_;
   std::int64_t step_ = 0;
   std::int64_t next_death_ = soa::never;

@@ -1,0 +1,76 @@
+// The uniform grid of the broad phase: which particles may touch. Particles are sorted by cell, so
+// a row of neighboring cells along x is one run of particles; cells that hold nothing take no room,
+// and the grid reaches as far as the particles do.
+//
+// Particles of very different size have grids of their own, a class each for every factor of 4 in
+// the radius, or the cells of the largest would hold thousands of the smallest. A search looks into
+// every class's grid.
+//
+// Nothing here can change a bit of a result: lists are supersets, and are put in order of the ids.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "solver/parallel.hpp"
+
+namespace salvo::solver {
+
+/// Columns of particles that the grid is built over; a negative radius is left out.
+struct SearchColumns {
+  const double* x = nullptr;  // m
+  const double* y = nullptr;
+  const double* z = nullptr;
+  const double* radius = nullptr;
+};
+
+/// Cells of one size class: cell (i, j, k) has the key first_key + (k ny + j) nx + i.
+struct CellClass {
+  double cell = 0;  ///< edge, m
+  double inverse_cell = 0;
+  double origin[3] = {};
+  std::uint64_t counts[3] = {};
+  std::uint64_t first_key = 0;
+  double largest_radius = 0;
+};
+
+/// What a search needs; plain data, for the kernels.
+struct CellIndex {
+  const CellClass* classes = nullptr;
+  std::size_t class_count = 0;
+  /// Keys in sorted order. The rows whose keys have the upper bits b start at directory[b].
+  const std::uint64_t* keys = nullptr;
+  const std::uint32_t* directory = nullptr;
+  int shift = 0;  ///< a directory entry covers 2^shift keys
+};
+
+class CellGrid {
+ public:
+  /// Finds the cells of `rows` particles: those within `margin` of touching are in cells that a
+  /// search for margin visits. `cell_scale` >= 1 makes cells larger than they need be.
+  void build(const SearchColumns& columns, std::size_t rows, double margin, double cell_scale,
+             const Parallel& parallel);
+
+  /// Rows by cell, those left out last.
+  const std::vector<std::uint32_t>& order() const { return order_; }
+  /// Rows that were not left out.
+  std::size_t members() const { return members_; }
+  CellIndex index() const;
+
+ private:
+  void choose_classes(const SearchColumns& columns, std::size_t rows, double margin,
+                      double cell_scale, const Parallel& parallel);
+  void sort(std::size_t rows, int bits, const Parallel& parallel);
+
+  std::vector<CellClass> classes_;
+  std::uint64_t cells_ = 0;
+  std::vector<std::uint64_t> keys_, other_keys_;
+  std::vector<std::uint32_t> order_, other_order_;
+  std::vector<std::uint32_t> counts_;
+  std::vector<std::uint32_t> directory_;
+  int shift_ = 0;
+  std::size_t members_ = 0;
+};
+
+}  // namespace salvo::solver

@@ -1,0 +1,543 @@
+// The step of particles that touch, compiled once per instruction set: every lane is a particle
+// that sums the forces of its own neighbors in ascending id, so that no sum depends on the order of
+// the rows. A neighbor out of reach is selected to +0.
+#include <algorithm>
+#include <bit>
+#include <type_traits>
+
+#include "kernels/impact.hpp"
+#include "kernels/quads.hpp"
+#include "kernels/sphere_contact.hpp"
+#include "models/particle.hpp"
+#include "models/sweep.hpp"
+#include "soa/column.hpp"
+#include "solver/contact_pass.hpp"
+
+namespace salvo::solver {
+inline namespace SALVO_ISA {
+
+namespace {
+
+using kernels::Quad;
+using kernels::Vec3;
+
+template <class V>
+struct Sphere {
+  Vec3<V> position, residual, velocity, spin;
+  V radius, mass, path;
+};
+
+template <class V>
+Quad<V> quad(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
+             std::size_t first) {
+  return kernels::load_quad<record_numbers>(rows->position + first, index,
+                                            static_cast<const V*>(nullptr));
+}
+
+template <class V>
+void load_place(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
+                Sphere<V>& sphere) {
+  const Quad<V> place = quad<V>(rows, index, 0);
+  const Quad<V> rest = quad<V>(rows, index, 4);
+  sphere.position = {place[0], place[1], place[2]};
+  sphere.radius = place[3];
+  sphere.residual = {rest[0], rest[1], rest[2]};
+  sphere.mass = rest[3];
+}
+
+template <class V>
+void load_motion(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
+                 Sphere<V>& sphere) {
+  const Quad<V> velocity = quad<V>(rows, index, 8);
+  const Quad<V> spin = quad<V>(rows, index, 12);
+  sphere.velocity = {velocity[0], velocity[1], velocity[2]};
+  sphere.path = velocity[3];
+  sphere.spin = {spin[0], spin[1], spin[2]};
+}
+
+template <class V>
+void store(const Sphere<V>& s, SphereRecord<typename V::Real>* rows) {
+  auto* to = rows->position;
+  constexpr std::size_t n = record_numbers;
+  kernels::store_quad<n>(Quad<V>{s.position.x, s.position.y, s.position.z, s.radius}, to);
+  kernels::store_quad<n>(Quad<V>{s.residual.x, s.residual.y, s.residual.z, s.mass}, to + 4);
+  kernels::store_quad<n>(Quad<V>{s.velocity.x, s.velocity.y, s.velocity.z, s.path}, to + 8);
+  kernels::store_quad<n>(Quad<V>{s.spin.x, s.spin.y, s.spin.z, V(0)}, to + 12);
+}
+
+// The memory of one slot for the lanes of a pack.
+template <class V>
+class SlotMemory {
+ public:
+  using T = typename V::Real;
+  using Mask = typename V::Mask;
+
+  SlotMemory(const ContactMemory<T>& memory, std::size_t slot, std::size_t first_lane)
+      : bits_(memory.touching + slot),
+        first_lane_(first_lane),
+        tangential_(place(memory.tangential, slot)),
+        rolling_(place(memory.rolling, slot)) {}
+
+  bool touched() const { return (*bits_ >> first_lane_ & lanes) != 0; }
+  Vec3<V> tangential() const { return load(tangential_); }
+  Vec3<V> rolling() const { return load(rolling_); }
+  void set_tangential(Vec3<V> x) { store(x, tangential_); }
+  void set_rolling(Vec3<V> x) { store(x, rolling_); }
+  void set_touching(std::uint32_t touching) {
+    *bits_ =
+        static_cast<std::uint16_t>((*bits_ & ~(lanes << first_lane_)) | (touching << first_lane_));
+  }
+
+ private:
+  static constexpr std::uint32_t lanes = (std::uint32_t{1} << V::width) - 1;
+
+  T* place(T* column, std::size_t slot) const {
+    return column ? column + slot * 3 * group_rows + first_lane_ : nullptr;
+  }
+  static Vec3<V> load(const T* at) {
+    return {V::load(at), V::load(at + group_rows), V::load(at + 2 * group_rows)};
+  }
+  static void store(Vec3<V> x, T* at) {
+    x.x.store(at);
+    x.y.store(at + group_rows);
+    x.z.store(at + 2 * group_rows);
+  }
+
+  std::uint16_t* bits_;
+  std::size_t first_lane_;
+  T* tangential_;
+  T* rolling_;
+};
+
+// What acts on a sphere, and what its contacts lose.
+template <class V>
+struct Sum {
+  Vec3<V> force{V(0), V(0), V(0)};
+  Vec3<V> torque{V(0), V(0), V(0)};
+  V damping_loss{0};
+  V slip_loss{0};
+};
+
+// Materials of a kind of partner.
+template <class V>
+struct Surfaces {
+  V damping_ratio;
+  V friction;
+  V rolling_friction;
+};
+
+template <class Law, bool Friction, bool Rolling>
+class Step {
+ public:
+  using V = typename Law::Lanes;
+  using T = typename V::Real;
+  using Mask = typename V::Mask;
+
+  explicit Step(ContactPass<T>& pass)
+      : pass_(pass),
+        law_(*pass.law),
+        between_{V(pass.damping_ratio), V(pass.law->friction), V(pass.law->rolling_friction)},
+        pull_(4 * kernels::pi * pass.law->surface_energy),
+        cohesive_(pass.law->surface_energy != 0),
+        budget_(pass.damping_loss != nullptr),
+        forces_(*pass.forces),
+        dt_(pass.dt),
+        lowest_(models::broadcast<V>(pass.domain.lowest)),
+        highest_(models::broadcast<V>(pass.domain.highest)) {}
+
+  void advance() {
+    for (std::size_t group = pass_.first_group; group < pass_.last_group; ++group) {
+      for (std::size_t lane = 0; lane < group_rows; lane += V::width) advance_pack(group, lane);
+    }
+  }
+
+ private:
+  using SphereV = Sphere<V>;
+
+  SALVO_FLATTEN void advance_pack(std::size_t group, std::size_t lane) {
+    const std::size_t row = group * group_rows + lane;
+    SphereV own;
+    load_place(pass_.from + row, consecutive, own);
+    load_motion(pass_.from + row, consecutive, own);
+    Sum<V> sum;
+    for (std::size_t slot = pass_.first_slot[group]; slot < pass_.first_slot[group + 1]; ++slot) {
+      meet_neighbor(own, slot, lane, sum);
+    }
+    if (!pass_.walls.empty()) meet_walls(own, group, lane, sum);
+    move(own, row, sum);
+  }
+
+  // The neighbors of one slot.
+  void meet_neighbor(const SphereV& own, std::size_t slot, std::size_t lane, Sum<V>& sum) {
+    const std::int32_t* index = pass_.neighbor + slot * group_rows + lane;
+    SphereV other;
+    load_place(pass_.from, index, other);
+    const Vec3<V> offset = (own.position - other.position) + (own.residual - other.residual);
+    const V reach = own.radius + other.radius;
+    const V squared = norm_squared(offset);
+    const Mask touching = squared < reach * abs(reach);
+    SlotMemory<V> memory(pass_.memory, slot, lane);
+    if (!any(touching)) {
+      if (memory.touched()) forget(memory);
+      return;
+    }
+    load_motion(pass_.from, index, other);
+    const V distance = sqrt(squared);
+    const Mask apart = distance > V(0);
+    const V inverse = V(1) / select(apart, distance, V(1));
+    kernels::SphereContact<V> contact;
+    contact.normal = select(apart, offset * inverse, between_coincident(own, other));
+    contact.overlap = max(reach - distance, V(0));
+    const V half = V(0.5) * contact.overlap;
+    const Vec3<V> turning = own.spin * (own.radius - half) + other.spin * (other.radius - half);
+    contact.lever = own.radius - half;
+    contact.velocity = (own.velocity - other.velocity) - cross(turning, contact.normal);
+    contact.mass = own.mass * other.mass / (own.mass + other.mass);
+    contact.radius = own.radius * other.radius / (own.radius + other.radius);
+    if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * contact.radius;
+    add(contact, between_, touching, memory, V(0.5), sum);
+  }
+
+  // Two centers at the same place: the direction must be the opposite one for the partner. Which
+  // comes first, the velocities decide; where they are the same, nothing tells the two apart, and
+  // they stay together.
+  static Vec3<V> between_coincident(const SphereV& own, const SphereV& other) {
+    return normalized_or(own.velocity - other.velocity, {V(0), V(0), V(0)});
+  }
+
+  void meet_walls(const SphereV& own, std::size_t group, std::size_t lane, Sum<V>& sum) {
+    const std::uint64_t* first = pass_.first_wall_slot + group;
+    for (std::size_t slot = first[0]; slot < first[1]; ++slot) {
+      meet_wall(own, pass_.walls[pass_.wall[slot]], slot, lane, sum);
+    }
+  }
+
+  [[gnu::noinline]] void meet_wall(const SphereV& own, const Wall& wall, std::size_t slot,
+                                   std::size_t lane, Sum<V>& sum) {
+    const models::Triple& center = wall.shape.center;
+    const Vec3<V> near = models::broadcast<V>(center);
+    const auto left_out = [](double number) {
+      return V(number - static_cast<double>(static_cast<T>(number)));
+    };
+    const Vec3<V> p =
+        (own.position - near) +
+        (own.residual - Vec3<V>{left_out(center[0]), left_out(center[1]), left_out(center[2])});
+    const bool field = wall.shape.shape == models::ObstacleShape::height_field;
+    const kernels::Surface<V> surface =
+        field ? models::field_surface(*wall.shape.samples, p, own.radius)
+              : models::solid_surface(wall.shape, p);
+    // A height field measures from the surface of the sphere.
+    V distance = field ? surface.distance + own.radius : surface.distance;
+    Vec3<V> normal = surface.normal;
+    if (wall.shape.hollow) {
+      distance = -distance;
+      normal = -normal;
+    }
+    const Mask touching = (distance < own.radius) & (own.radius > V(0));
+    SlotMemory<V> memory(pass_.wall_memory, slot, lane);
+    if (!any(touching)) {
+      if (memory.touched()) forget(memory);
+      return;
+    }
+    kernels::SphereContact<V> contact;
+    contact.normal = normal;
+    contact.overlap = max(own.radius - distance, V(0));
+    contact.lever = distance;
+    const Vec3<V> wall_velocity =
+        models::broadcast<V>(wall.velocity) +
+        cross(models::broadcast<V>(wall.angular_velocity), p - contact.normal * distance);
+    contact.velocity =
+        (own.velocity - wall_velocity) - cross(own.spin * contact.lever, contact.normal);
+    contact.mass = own.mass;
+    contact.radius = own.radius;
+    if (Rolling) {
+      contact.rolling =
+          cross(own.spin - models::broadcast<V>(wall.angular_velocity), contact.normal) *
+          contact.radius;
+    }
+    const Surfaces<V> surfaces{V(wall.damping_ratio), V(wall.shape.friction),
+                               between_.rolling_friction};
+    add(contact, surfaces, touching, memory, V(1), sum);
+  }
+
+  // `share`: the part of the losses that this sphere stands for.
+  void add(const kernels::SphereContact<V>& contact, const Surfaces<V>& surfaces, Mask touching,
+           SlotMemory<V>& memory, V share, Sum<V>& sum) {
+    const Vec3<V> nothing{V(0), V(0), V(0)};
+    const auto springs =
+        law_.at(contact.overlap, contact.mass, contact.radius, surfaces.damping_ratio);
+    const V apart = dot(contact.velocity, contact.normal);
+    const V pull = cohesive_ ? pull_ * contact.radius : V(0);
+    const auto normal = kernels::normal_force(springs, apart, pull, dt_);
+    Vec3<V> force = contact.normal * normal.along;
+    Vec3<V> torque = nothing;
+    V slip_loss(0);
+    if (Friction) {
+      const Vec3<V> slip = contact.velocity - contact.normal * apart;
+      const bool touched = memory.touched();
+      const auto tangential = kernels::slip_spring(
+          touched ? memory.tangential() : nothing, contact.normal, slip, springs.tangential,
+          springs.tangential_damping, surfaces.friction * normal.pressing, dt_);
+      memory.set_tangential(select(touching, tangential.displacement, nothing));
+      force += tangential.force;
+      torque = cross(contact.normal, tangential.force) * -contact.lever;
+      slip_loss = tangential.loss;
+      if (Rolling) {
+        const auto rolling =
+            kernels::slip_spring(touched ? memory.rolling() : nothing, contact.normal,
+                                 contact.rolling, springs.tangential, springs.tangential_damping,
+                                 surfaces.rolling_friction * normal.pressing, dt_);
+        memory.set_rolling(select(touching, rolling.displacement, nothing));
+        torque += cross(contact.normal, rolling.force) * contact.radius;
+        slip_loss = slip_loss + rolling.loss;
+      }
+    }
+    memory.set_touching(bits(touching));
+    sum.force += select(touching, force, nothing);
+    if (Friction) sum.torque += select(touching, torque, nothing);
+    if (budget_) {
+      sum.damping_loss = sum.damping_loss + select(touching, normal.loss * share, V(0));
+      sum.slip_loss = sum.slip_loss + select(touching, slip_loss * share, V(0));
+    }
+  }
+
+  void forget(SlotMemory<V>& memory) {
+    const Vec3<V> nothing{V(0), V(0), V(0)};
+    if (Friction) memory.set_tangential(nothing);
+    if (Rolling) memory.set_rolling(nothing);
+    memory.set_touching(0);
+  }
+
+  // Semi-implicit Euler, which on positions is the leapfrog of velocity Verlet. Positions keep what
+  // rounding leaves out: v dt may be far below what a float position resolves.
+  void move(SphereV& own, std::size_t row, const Sum<V>& sum) {
+    const Mask alive = own.radius > V(0);
+    const V drag_area =
+        pass_.drag_area ? V::load(pass_.drag_area + row) : V(pass_.uniform_drag_area);
+    const V mass = select(alive, own.mass, V(1));
+    const auto c = forces_.coefficients({mass, own.radius, drag_area});
+    const Vec3<V> field = forces_.plain()
+                              ? forces_.plain_acceleration(own.velocity, c)
+                              : forces_.acceleration(own.position, own.velocity, c, pass_.instants);
+    SphereV next = own;
+    next.velocity = own.velocity + (field + sum.force * c.inverse_mass) * dt_;
+    const Vec3<V> way = next.velocity * dt_;
+    if constexpr (sizeof(T) == 4) {
+      const Vec3<V> gain = own.residual + way;
+      next.position = own.position + gain;
+      next.residual = {kernels::sum_error(own.position.x, gain.x, next.position.x),
+                       kernels::sum_error(own.position.y, gain.y, next.position.y),
+                       kernels::sum_error(own.position.z, gain.z, next.position.z)};
+    } else {
+      next.position = own.position + way;
+    }
+    next.path = own.path + norm(way);
+    if (Friction) {
+      const V inertia = V(0.4) * mass * own.radius * own.radius;
+      next.spin = own.spin + sum.torque * (dt_ / select(alive, inertia, V(1)));
+    }
+    if (pass_.death) {
+      alignas(soa::alignment) T dies[V::width];
+      for (std::size_t i = 0; i < V::width; ++i) {
+        dies[i] = pass_.death[row + i] <= pass_.step + 1 ? T(1) : T(0);
+      }
+      next.radius = select(V::load(dies) > V(0), V(no_radius), next.radius);
+    }
+    if (budget_) {
+      const auto add_loss = [&](T* column, V loss) {
+        (V::load(column + row) + select(alive, loss, V(0))).store(column + row);
+      };
+      add_loss(pass_.damping_loss, sum.damping_loss);
+      add_loss(pass_.friction_loss, sum.slip_loss);
+    }
+    watch(next, alive);
+    next.position = select(alive, next.position, own.position);
+    next.residual = select(alive, next.residual, own.residual);
+    next.velocity = select(alive, next.velocity, own.velocity);
+    next.spin = select(alive, next.spin, own.spin);
+    next.path = select(alive, next.path, own.path);
+    store(next, pass_.to + row);
+  }
+
+  void watch(const SphereV& next, Mask alive) {
+    const Vec3<V>& x = next.position;
+    const Vec3<V>& v = next.velocity;
+    const Vec3<V>& w = next.spin;
+    Mask bad = !is_finite((x.x + x.y) + (x.z + v.x) + (v.y + v.z) + (w.x + w.y) + w.z);
+    if (pass_.domain.bounded) {
+      bad = bad | (x.x < lowest_.x) | (x.y < lowest_.y) | (x.z < lowest_.z) | (x.x > highest_.x) |
+            (x.y > highest_.y) | (x.z > highest_.z);
+    }
+    pass_.bad = pass_.bad || any(bad & alive);
+    longest_ = max(longest_, select(alive, next.path, V(0)));
+    pass_.steps_taken += static_cast<std::uint64_t>(std::popcount(bits(alive)));
+    if (any(longest_ > V(pass_.longest_path))) {
+      alignas(soa::alignment) T paths[V::width];
+      longest_.store(paths);
+      for (const T path : paths) {
+        pass_.longest_path = std::max(pass_.longest_path, static_cast<double>(path));
+      }
+    }
+  }
+
+  static constexpr std::int32_t consecutive[16] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                   8, 9, 10, 11, 12, 13, 14, 15};
+
+  ContactPass<T>& pass_;
+  const Law law_;
+  const Surfaces<V> between_;
+  const V pull_;
+  const bool cohesive_;
+  const bool budget_;
+  const models::ParticleForces<V> forces_;
+  const V dt_;
+  const Vec3<V> lowest_;
+  const Vec3<V> highest_;
+  V longest_{0};
+};
+
+template <class V>
+struct Linear : kernels::LinearSpring<V> {
+  using Lanes = V;
+  explicit Linear(const models::ContactLaw& law)
+      : kernels::LinearSpring<V>{V(law.normal_stiffness),
+                                 V(law.normal_stiffness * law.tangential_ratio),
+                                 V(law.tangential_damping)} {}
+};
+
+template <class V>
+struct Hertz : kernels::HertzMindlin<V> {
+  using Lanes = V;
+  explicit Hertz(const models::ContactLaw& law)
+      : kernels::HertzMindlin<V>{V(models::effective_young(law)), V(models::effective_shear(law)),
+                                 V(law.tangential_damping)} {}
+};
+
+template <class Law>
+void advance_law(ContactPass<typename Law::Lanes::Real>& pass) {
+  if (pass.law->rolls()) {
+    Step<Law, true, true>(pass).advance();
+  } else if (pass.law->frictional()) {
+    Step<Law, true, false>(pass).advance();
+  } else {
+    Step<Law, false, false>(pass).advance();
+  }
+}
+
+template <class T>
+void advance(ContactPass<T>& pass) {
+  using V = kernels::NativeLane<T>;
+  if (pass.law->kind == models::ContactLawKind::hertz_mindlin) {
+    advance_law<Hertz<V>>(pass);
+  } else {
+    advance_law<Linear<V>>(pass);
+  }
+}
+
+// First of the rows of a range whose key is at least `key`.
+std::uint32_t first_at_least(const CellIndex& index, std::uint64_t key) {
+  std::uint32_t low = index.directory[key >> index.shift];
+  if (index.shift == 0) return low;
+  std::uint32_t high = index.directory[(key >> index.shift) + 1];
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    if (index.keys[middle] < key) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+struct CellRange {
+  std::uint64_t first;
+  std::uint64_t last;
+};
+
+CellRange cells_along(const CellClass& c, std::size_t axis, double at, double reach) {
+  const auto cell = [&](double x) {
+    const double number = (x - c.origin[axis]) * c.inverse_cell;
+    const auto last = static_cast<double>(c.counts[axis] - 1);
+    return static_cast<std::uint64_t>(std::clamp(number, 0.0, last));
+  };
+  return {cell(at - reach), cell(at + reach)};
+}
+
+// Candidates of a run of rows, a pack at a time, in double precision: a list may hold too much,
+// never too little.
+class ListBuilder {
+ public:
+  using V = kernels::NativeLane<double>;
+
+  explicit ListBuilder(ListPass& pass) : pass_(pass) {}
+
+  void build() {
+    for (std::size_t row = pass_.first_row; row < pass_.last_row; ++row) {
+      const std::size_t before = size_;
+      list(row);
+      pass_.counts[row - pass_.first_row] = static_cast<std::uint32_t>(size_ - before);
+    }
+    pass_.entries = size_;
+  }
+
+ private:
+  void list(std::size_t row) {
+    const SearchColumns& from = pass_.columns;
+    const double x = from.x[row];
+    const double y = from.y[row];
+    const double z = from.z[row];
+    const double radius = from.radius[row] + pass_.margin;
+    for (std::size_t number = 0; number < pass_.index.class_count; ++number) {
+      const CellClass& c = pass_.index.classes[number];
+      if (c.counts[0] == 0) continue;
+      const double reach = radius + c.largest_radius;
+      const CellRange along_x = cells_along(c, 0, x, reach);
+      const CellRange along_y = cells_along(c, 1, y, reach);
+      const CellRange along_z = cells_along(c, 2, z, reach);
+      for (std::uint64_t k = along_z.first; k <= along_z.last; ++k) {
+        for (std::uint64_t j = along_y.first; j <= along_y.last; ++j) {
+          const std::uint64_t line = c.first_key + (k * c.counts[1] + j) * c.counts[0];
+          const std::uint32_t first = first_at_least(pass_.index, line + along_x.first);
+          const std::uint32_t last = first_at_least(pass_.index, line + along_x.last + 1);
+          if (first < last) take(row, first, last, V(x), V(y), V(z), V(radius));
+        }
+      }
+    }
+  }
+
+  void take(std::size_t row, std::uint32_t first, std::uint32_t last, V x, V y, V z, V radius) {
+    const SearchColumns& from = pass_.columns;
+    if (size_ + (last - first) > room_) {
+      room_ = 2 * (size_ + (last - first)) + 1024;
+      entries_ = pass_.grow(pass_.owner, room_);
+    }
+    for (std::uint32_t at = first; at < last; at += V::width) {
+      const V dx = V::load_unaligned(from.x + at) - x;
+      const V dy = V::load_unaligned(from.y + at) - y;
+      const V dz = V::load_unaligned(from.z + at) - z;
+      const V reach = V::load_unaligned(from.radius + at) + radius;
+      std::uint32_t near = bits(dx * dx + dy * dy + dz * dz < reach * reach);
+      if (last - at < V::width) near &= (1U << (last - at)) - 1;
+      if (row - at < V::width) near &= ~(1U << (row - at));
+      for (; near != 0; near &= near - 1) {
+        entries_[size_++] = at + static_cast<std::uint32_t>(std::countr_zero(near));
+      }
+    }
+  }
+
+  ListPass& pass_;
+  std::uint32_t* entries_ = nullptr;
+  std::size_t size_ = 0;
+  std::size_t room_ = 0;
+};
+
+void list_neighbors(ListPass& pass) { ListBuilder(pass).build(); }
+
+}  // namespace
+
+extern const ContactKernels contact_kernel_table;
+const ContactKernels contact_kernel_table{&list_neighbors, &advance<float>, &advance<double>};
+
+}  // namespace SALVO_ISA
+}  // namespace salvo::solver

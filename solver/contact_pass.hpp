@@ -1,0 +1,121 @@
+// A step of particles that touch: the rows of one task, with their neighbor lists. Plain data only,
+// because it crosses from the ordinary translation units to the kernels of one instruction set.
+//
+// Rows are in an order of the broad phase's choice, in groups of 16 whose lists lie side by side:
+// slot s of a group holds the s-th neighbor of each of its rows, by ascending id. A row of fewer
+// neighbors has `nowhere` in the remaining slots, a record that touches nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "models/contact_law.hpp"
+#include "models/force_settings.hpp"
+#include "models/obstacle.hpp"
+#include "solver/cell_grid.hpp"
+#include "solver/isa.hpp"
+#include "solver/particle_pass.hpp"
+
+namespace salvo::solver {
+
+/// Rows whose lists lie side by side: the lanes of the widest pack.
+inline constexpr std::size_t group_rows = 16;
+
+/// What a neighbor needs of a particle, in one cache line of floats: a neighbor is anywhere, and a
+/// line that is fetched is used whole.
+template <class T>
+struct alignas(64) SphereRecord {
+  T position[3];  // m
+  T radius;       // m; negative: gone, touches nothing
+  T residual[3];  // what rounding left out of the position, m; zero in double precision
+  T mass;         // kg
+  T velocity[3];  // m/s
+  T path;         // length gone since the lists were built, m
+  T spin[3];      // rad/s
+  T padding;
+};
+inline constexpr std::size_t record_numbers = 16;
+static_assert(sizeof(SphereRecord<float>) == 64 && sizeof(SphereRecord<double>) == 128);
+
+/// The radius of a record that touches nothing.
+inline constexpr double no_radius = -1e30;
+/// Where the record that fills up lists is: no overlap, and squares that do not overflow.
+inline constexpr double nowhere_position = 1e18;
+
+/// What the slots of a list remember, slot after slot: which rows touched at the last step, as
+/// bits, and three packs of 16 for each displacement. Null where the law needs none.
+template <class T>
+struct ContactMemory {
+  std::uint16_t* touching = nullptr;
+  T* tangential = nullptr;
+  T* rolling = nullptr;
+};
+
+/// An obstacle, or a smooth part of one, as it stands in this step.
+struct Wall {
+  models::Obstacle shape;
+  models::Triple velocity{};          // of the shape's center, m/s
+  models::Triple angular_velocity{};  // rad/s
+  double damping_ratio = 0;
+};
+
+template <class T>
+struct ContactPass {
+  std::size_t first_group = 0;
+  std::size_t last_group = 0;
+  const SphereRecord<T>* from = nullptr;
+  SphereRecord<T>* to = nullptr;
+  const std::uint64_t* first_slot = nullptr;  // of each group and, last, their number
+  const std::int32_t* neighbor = nullptr;     // rows, slot after slot of 16
+  ContactMemory<T> memory;
+  const std::uint64_t* first_wall_slot = nullptr;  // likewise
+  const std::uint32_t* wall = nullptr;             // one for all rows of a slot
+  ContactMemory<T> wall_memory;
+  std::span<const Wall> walls;
+
+  const T* drag_area = nullptr;
+  const std::int32_t* death = nullptr;
+  T* damping_loss = nullptr;  // J, summed over the run
+  T* friction_loss = nullptr;
+  T uniform_drag_area = 0;
+
+  std::int32_t step = 0;
+  T dt = 0;
+  const models::ContactLaw* law = nullptr;
+  double damping_ratio = 0;
+  const models::ForceSettings* forces = nullptr;
+  const T* instants = nullptr;
+  Domain domain;
+
+  // Results.
+  double longest_path = 0;        ///< m, of a row since the lists were built
+  std::uint64_t steps_taken = 0;  ///< rows that lived
+  bool bad = false;               ///< a row is not finite or out of the domain
+};
+
+/// The lists of rows in the order of the cells, as runs of such rows.
+struct ListPass {
+  std::size_t first_row = 0;
+  std::size_t last_row = 0;
+  CellIndex index;
+  SearchColumns columns;  // in the order of the cells, with room for a pack more at the end
+  double margin = 0;      // m
+  /// Makes room for more entries; returns where they begin, which holds what was written.
+  std::uint32_t* (*grow)(void* owner, std::size_t entries) = nullptr;
+  void* owner = nullptr;
+  std::uint32_t* counts = nullptr;  // of each row from first_row
+  std::size_t entries = 0;          ///< written, together
+};
+
+/// The kernels of one instruction set.
+struct ContactKernels {
+  void (*list_neighbors)(ListPass&);
+  void (*advance_float32)(ContactPass<float>&);
+  void (*advance_float64)(ContactPass<double>&);
+};
+
+/// Throws std::invalid_argument when the binary lacks the instruction set.
+const ContactKernels& contact_kernels(Isa isa);
+
+}  // namespace salvo::solver

@@ -1,0 +1,917 @@
+#include "solver/contact_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "kernels/sphere_contact.hpp"
+#include "models/particle.hpp"
+#include "soa/contact_fields.hpp"
+#include "soa/particle_fields.hpp"
+#include "solver/instants.hpp"
+#include "solver/walls.hpp"
+#include "solver/world.hpp"
+
+namespace salvo::solver {
+
+namespace {
+
+using soa::ContactField;
+using soa::ParticleField;
+
+template <class Field>
+constexpr std::size_t index(Field field) {
+  return static_cast<std::size_t>(field);
+}
+
+constexpr std::size_t groups_per_task = 64;
+constexpr std::size_t rows_per_task = groups_per_task * group_rows;
+// Rows of a window are ordered by the length of their lists, so that a group fills up little.
+constexpr std::size_t window_rows = 128;
+constexpr std::size_t windows_per_task = 32;
+
+constexpr std::uint32_t wall_flag = std::uint32_t{1} << 31;
+
+std::size_t tasks_of(std::size_t things, std::size_t each) { return (things + each - 1) / each; }
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// A zero-filled array that keeps its room.
+template <class T>
+class Array {
+ public:
+  void resize(std::size_t size) {
+    if (size * sizeof(T) > bytes_.size()) {
+      bytes_ = {};
+      bytes_ = soa::AlignedBytes(size * sizeof(T) + size * sizeof(T) / 16);
+    }
+    size_ = size;
+  }
+  T* data() { return reinterpret_cast<T*>(bytes_.data()); }
+  const T* data() const { return reinterpret_cast<const T*>(bytes_.data()); }
+  T& operator[](std::size_t i) { return data()[i]; }
+  const T& operator[](std::size_t i) const { return data()[i]; }
+  std::size_t size() const { return size_; }
+  std::size_t resident_bytes() const { return bytes_.size(); }
+  void swap(Array& other) noexcept {
+    std::swap(bytes_, other.bytes_);
+    std::swap(size_, other.size_);
+  }
+  void release() {
+    bytes_ = {};
+    size_ = 0;
+  }
+
+ private:
+  soa::AlignedBytes bytes_;
+  std::size_t size_ = 0;
+};
+
+// What the contacts of every row remember, apart from the lists: partners in ascending order, ranks
+// of particles before walls. It outlives the lists, and is what checkpoints keep.
+template <class T>
+struct Remembered {
+  Array<std::uint32_t> first;    // of each row, and their number
+  Array<std::uint32_t> partner;  // rank, or wall_flag | wall
+  Array<T> tangential;           // three for each
+  Array<T> rolling;
+
+  void resize_entries(std::size_t entries, const models::ContactLaw& law) {
+    partner.resize(entries);
+    if (law.frictional()) tangential.resize(3 * entries);
+    if (law.rolls()) rolling.resize(3 * entries);
+  }
+  std::size_t resident_bytes() const {
+    return first.resident_bytes() + partner.resident_bytes() + tangential.resident_bytes() +
+           rolling.resident_bytes();
+  }
+};
+
+// Lists of one kind of partner.
+template <class T>
+struct Lists {
+  Array<std::uint64_t> first_slot;  // of each group, and their number
+  Array<std::uint16_t> touching;
+  Array<T> tangential;
+  Array<T> rolling;
+
+  std::size_t slots() const {
+    return first_slot.size() == 0 ? 0 : first_slot[first_slot.size() - 1];
+  }
+  void make_room(const models::ContactLaw& law) {
+    touching.resize(slots());
+    const std::size_t numbers = slots() * 3 * group_rows;
+    if (law.frictional()) tangential.resize(numbers);
+    if (law.rolls()) rolling.resize(numbers);
+  }
+  ContactMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
+  std::size_t resident_bytes() const {
+    return first_slot.resident_bytes() + touching.resident_bytes() + tangential.resident_bytes() +
+           rolling.resident_bytes();
+  }
+};
+
+template <class T>
+class Solver final : public ContactSolver {
+ public:
+  Solver(const Setup& setup, Isa isa, const ContactTuning& tuning, const Parallel& parallel)
+      : setup_(setup),
+        kernels_(contact_kernels(isa)),
+        tuning_(tuning),
+        parallel_(parallel),
+        walls_(setup.obstacles) {
+    damping_ratio_ = kernels::damping_ratio_of(setup.contact_law->restitution);
+  }
+
+  void load(const soa::Table& particles, const soa::Table& contacts) override;
+  std::span<const BadRow> advance(std::int64_t step, bool watch_deaths, bool remove) override;
+  std::int64_t next_death(std::int64_t after) const override;
+  void store(soa::Table& particles, soa::Table& contacts) override;
+  std::size_t resident_bytes() const override;
+
+ private:
+  using Record = SphereRecord<T>;
+  const models::ContactLaw& law() const { return *setup_.contact_law; }
+
+  template <class Task>
+  void for_rows(const Task& task) const {
+    parallel_.for_each(tasks_of(rows_, rows_per_task), [&](std::size_t number) {
+      const std::size_t first = number * rows_per_task;
+      task(first, std::min(rows_, first + rows_per_task));
+    });
+  }
+  static Record nowhere() {
+    Record record{};
+    for (T& x : record.position) x = static_cast<T>(nowhere_position);
+    record.radius = static_cast<T>(no_radius);
+    record.mass = 1;
+    return record;
+  }
+
+  void build_lists();
+  void choose_margin();
+  void search_columns(const std::vector<std::uint32_t>* order);
+  void list_rows();
+  void place_rows();
+  void lay_out_neighbors();
+  void lay_out_walls();
+  void move_rows();
+  void collect();
+  void collect_row(std::size_t row, std::size_t entry);
+  std::size_t count_row(std::size_t row) const;
+  void recall(std::size_t row, std::size_t source);
+  void find_bad(std::int64_t step, bool remove);
+  template <class Number>
+  void permute(Array<Number>& column, Number padding);
+
+  const Setup& setup_;
+  const ContactKernels& kernels_;
+  const ContactTuning tuning_;
+  const Parallel& parallel_;
+  Walls walls_;
+  double damping_ratio_;
+
+  std::size_t rows_ = 0;  // groups are whole: those after the particles are nowhere
+  std::size_t particles_ = 0;
+  const soa::Id* ids_ = nullptr;  // by rank
+  Array<Record> records_[2];      // the state, and where the next one goes
+  Array<std::uint32_t> rank_;     // place by id of each row
+  Array<T> drag_area_;
+  Array<std::int32_t> death_;
+  Array<T> damping_loss_;
+  Array<T> friction_loss_;
+  T uniform_drag_area_ = 0;
+  bool has_drag_area_ = false;
+  bool has_death_ = false;
+
+  bool listed_ = false;
+  double margin_ = 0;
+  double wall_path_ = 0;       // m, of the walls since the lists were built
+  double longest_path_ = 0;    // m, of the particles
+  std::int64_t list_age_ = 0;  // steps
+  Lists<T> near_;
+  Array<std::int32_t> neighbor_;
+  Lists<T> wall_lists_;
+  Array<std::uint32_t> wall_;
+  Remembered<T> remembered_;
+  bool remembering_ = false;  // the lists' memory is in remembered_
+
+  // Of the building of lists.
+  CellGrid grid_;
+  Array<double> search_[4];
+  Array<std::uint32_t> source_;  // old row of each new row
+  Array<std::uint32_t> place_;   // new row of each row in the order of the cells
+  Array<std::uint32_t> new_rank_;
+  std::vector<std::vector<std::uint32_t>>
+      raw_;  // lists of each task, rows in the order of the cells
+  Array<std::uint32_t> raw_count_;
+  Array<std::uint32_t> raw_first_;  // within its task
+
+  std::vector<T> instants_;
+  std::vector<BadRow> bad_rows_;
+  struct TaskResult {
+    double longest_path;
+    std::uint64_t steps_taken;
+    bool bad;
+  };
+  std::vector<TaskResult> results_;
+};
+
+template <class T>
+void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
+  const Stopwatch watch(profile_.transfer_seconds);
+  particles_ = particles.rows();
+  rows_ = tasks_of(particles_, group_rows) * group_rows;
+  ids_ = particles.ids();
+  const auto column = [&](ParticleField field, std::size_t c = 0) {
+    return particles.column<T>(index(field), c);
+  };
+  const auto uniform = [&](ParticleField field) {
+    return static_cast<T>(particles.uniform(index(field)));
+  };
+  const T* mass = column(ParticleField::mass);
+  const T* radius = column(ParticleField::radius);
+  const T* drag_area = column(ParticleField::drag_area);
+  const auto* death = particles.column<std::int32_t>(index(ParticleField::death));
+  const T* damping_loss = column(ParticleField::damping_loss);
+  const T* friction_loss = column(ParticleField::friction_loss);
+  has_drag_area_ = drag_area != nullptr;
+  has_death_ = death != nullptr;
+  uniform_drag_area_ = uniform(ParticleField::drag_area);
+  for (auto& records : records_) {
+    records.resize(rows_ + 1);
+    records[rows_] = nowhere();
+  }
+  rank_.resize(rows_);
+  if (has_drag_area_) drag_area_.resize(rows_);
+  if (has_death_) death_.resize(rows_);
+  if (damping_loss) damping_loss_.resize(rows_);
+  if (friction_loss) friction_loss_.resize(rows_);
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) {
+      rank_[row] = static_cast<std::uint32_t>(row);
+      const bool real = row < particles_;
+      Record& record = records_[0][row];
+      record = nowhere();
+      if (has_drag_area_) drag_area_[row] = real ? drag_area[row] : T(0);
+      if (has_death_) death_[row] = real ? death[row] : soa::never;
+      if (damping_loss) damping_loss_[row] = real ? damping_loss[row] : T(0);
+      if (friction_loss) friction_loss_[row] = real ? friction_loss[row] : T(0);
+      if (!real) continue;
+      const auto fill = [&](ParticleField field, T* to) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const T* from = column(field, c);
+          to[c] = from ? from[row] : T(0);
+        }
+      };
+      fill(ParticleField::position, record.position);
+      fill(ParticleField::residual, record.residual);
+      fill(ParticleField::velocity, record.velocity);
+      fill(ParticleField::angular_velocity, record.spin);
+      record.radius = radius ? radius[row] : uniform(ParticleField::radius);
+      record.mass = mass ? mass[row] : uniform(ParticleField::mass);
+    }
+  });
+
+  // Both sides of every contact, in the order of the ids.
+  const std::size_t pairs = contacts.rows();
+  const soa::Id* id = contacts.ids();
+  const auto* partner = contacts.column<std::uint64_t>(index(ContactField::partner));
+  const auto rank_of = [&](soa::Id wanted) {
+    return static_cast<std::uint32_t>(std::lower_bound(ids_, ids_ + particles_, wanted) - ids_);
+  };
+  std::vector<std::array<std::uint32_t, 2>> sides(pairs);
+  Remembered<T>& r = remembered_;
+  r.first.resize(rows_ + 1);
+  std::fill(r.first.data(), r.first.data() + rows_ + 1, 0U);
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    const bool wall = soa::stream_of(partner[pair]) == soa::max_stream;
+    sides[pair] = {rank_of(id[pair]),
+                   wall ? wall_flag | static_cast<std::uint32_t>(soa::serial_of(partner[pair]))
+                        : rank_of(partner[pair])};
+    ++r.first[sides[pair][0]];
+    if (!wall) ++r.first[sides[pair][1]];
+  }
+  std::uint32_t entries = 0;
+  for (std::size_t row = 0; row <= rows_; ++row) entries += std::exchange(r.first[row], entries);
+  r.resize_entries(entries, law());
+  std::vector<std::uint32_t> next(r.first.data(), r.first.data() + rows_);
+  const auto add = [&](std::uint32_t row, std::uint32_t other, std::size_t pair, T sign, T same) {
+    const std::uint32_t entry = next[row]++;
+    r.partner[entry] = other;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (law().frictional()) {
+        r.tangential[3 * entry + c] =
+            sign * contacts.column<T>(index(ContactField::tangential_displacement), c)[pair];
+      }
+      if (law().rolls()) {
+        r.rolling[3 * entry + c] =
+            same * contacts.column<T>(index(ContactField::rolling_displacement), c)[pair];
+      }
+    }
+  };
+  // The higher sides first: a row's partners of lower id come before those of higher id.
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    if ((sides[pair][1] & wall_flag) == 0) add(sides[pair][1], sides[pair][0], pair, T(-1), T(1));
+  }
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    add(sides[pair][0], sides[pair][1], pair, T(1), T(1));
+  }
+  remembering_ = true;
+  listed_ = false;
+}
+
+template <class T>
+std::int64_t Solver<T>::next_death(std::int64_t after) const {
+  std::int64_t next = soa::never;
+  if (!has_death_) return next;
+  for (std::size_t row = 0; row < rows_; ++row) {
+    if (death_[row] > after) next = std::min<std::int64_t>(next, death_[row]);
+  }
+  return next;
+}
+
+template <class T>
+std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths, bool remove) {
+  // A path is a sum of rounded lengths; a thousandth covers what it may be short of.
+  constexpr double covered = 0.499;
+  if (!listed_ || longest_path_ + wall_path_ > covered * margin_ ||
+      (tuning_.list_interval > 0 && list_age_ >= tuning_.list_interval)) {
+    build_lists();
+  }
+  const Stopwatch watch(profile_.step_seconds);
+  instant_coefficients(setup_.forces, setup_.seed, setup_.t0, setup_.dt, step, 1, instants_);
+  walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
+  ContactPass<T> whole;
+  whole.from = records_[0].data();
+  whole.to = records_[1].data();
+  whole.first_slot = near_.first_slot.data();
+  whole.neighbor = neighbor_.data();
+  whole.memory = near_.memory();
+  whole.first_wall_slot = wall_lists_.first_slot.data();
+  whole.wall = wall_.data();
+  whole.wall_memory = wall_lists_.memory();
+  whole.walls = walls_.now();
+  whole.drag_area = has_drag_area_ ? drag_area_.data() : nullptr;
+  whole.uniform_drag_area = uniform_drag_area_;
+  whole.death = watch_deaths && has_death_ ? death_.data() : nullptr;
+  if (law().energy_budget) {
+    whole.damping_loss = damping_loss_.data();
+    whole.friction_loss = friction_loss_.data();
+  }
+  whole.step = static_cast<std::int32_t>(step);
+  whole.dt = static_cast<T>(setup_.dt);
+  whole.law = &law();
+  whole.damping_ratio = damping_ratio_;
+  whole.forces = &setup_.forces;
+  whole.instants = instants_.data();
+  whole.domain = setup_.domain;
+
+  const std::size_t groups = rows_ / group_rows;
+  const std::size_t tasks = tasks_of(groups, groups_per_task);
+  results_.resize(tasks);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    ContactPass<T> pass = whole;
+    pass.first_group = task * groups_per_task;
+    pass.last_group = std::min(groups, pass.first_group + groups_per_task);
+    if constexpr (sizeof(T) == 4) {
+      kernels_.advance_float32(pass);
+    } else {
+      kernels_.advance_float64(pass);
+    }
+    results_[task] = {pass.longest_path, pass.steps_taken, pass.bad};
+  });
+  records_[0].swap(records_[1]);
+  longest_path_ = 0;
+  bool bad = false;
+  for (const TaskResult& result : results_) {
+    longest_path_ = std::max(longest_path_, result.longest_path);
+    steps_taken_ += result.steps_taken;
+    bad = bad || result.bad;
+  }
+  wall_path_ += walls_.fastest() * setup_.dt;
+  ++list_age_;
+  ++profile_.steps;
+  bad_rows_.clear();
+  if (bad) find_bad(step, remove);
+  return bad_rows_;
+}
+
+template <class T>
+void Solver<T>::find_bad(std::int64_t step, bool remove) {
+  static constexpr const char* names[9] = {
+      "position.x", "position.y",         "position.z",         "velocity.x",        "velocity.y",
+      "velocity.z", "angular_velocity.x", "angular_velocity.y", "angular_velocity.z"};
+  for (std::size_t row = 0; row < rows_; ++row) {
+    Record& record = records_[0][row];
+    if (!(record.radius > 0)) continue;
+    for (std::size_t c = 0; c < 9; ++c) {
+      const T* numbers = c < 3 ? record.position : c < 6 ? record.velocity : record.spin;
+      const T value = numbers[c % 3];
+      const bool outside = setup_.domain.bounded && c < 3 &&
+                           (value < static_cast<T>(setup_.domain.lowest[c]) ||
+                            value > static_cast<T>(setup_.domain.highest[c]));
+      if (std::isfinite(value) && !outside) continue;
+      bad_rows_.push_back(
+          {ids_[rank_[row]], step + 1, names[c], static_cast<double>(value), std::isfinite(value)});
+      if (remove) {
+        record = nowhere();
+        if (has_death_) death_[row] = static_cast<std::int32_t>(step + 1);
+      }
+      break;
+    }
+  }
+  std::stable_sort(bad_rows_.begin(), bad_rows_.end(),
+                   [](const BadRow& a, const BadRow& b) {  // exact-set: ids are unique
+                     return a.id < b.id;
+                   });
+}
+
+// ---- lists --------------------------------------------------------------------------------------
+
+template <class T>
+void Solver<T>::build_lists() {
+  {
+    const Stopwatch watch(profile_.sort_seconds);
+    if (!remembering_) collect();
+    choose_margin();
+    search_columns(nullptr);
+    grid_.build({search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()}, rows_,
+                margin_, tuning_.cell_scale, parallel_);
+  }
+  {
+    const Stopwatch watch(profile_.list_seconds);
+    search_columns(&grid_.order());
+    list_rows();
+    place_rows();
+    lay_out_neighbors();
+    lay_out_walls();
+    for_rows([&](std::size_t first, std::size_t last) {
+      for (std::size_t row = first; row < last; ++row) recall(row, source_[row]);
+    });
+  }
+  {
+    const Stopwatch watch(profile_.sort_seconds);
+    move_rows();
+  }
+  remembering_ = false;
+  listed_ = true;
+  longest_path_ = 0;
+  wall_path_ = 0;
+  list_age_ = 0;
+  ++profile_.list_builds;
+  profile_.list_slots += near_.slots() * group_rows;
+}
+
+// Wide margins make long lists, narrow ones many: about twenty steps a list is near the optimum and
+// flat around it.
+template <class T>
+void Solver<T>::choose_margin() {
+  if (tuning_.margin > 0) {
+    margin_ = tuning_.margin;
+    return;
+  }
+  double sum = 0;
+  std::size_t alive = 0;
+  for (std::size_t row = 0; row < rows_; ++row) {
+    const T radius = records_[0][row].radius;
+    if (!(radius > 0)) continue;
+    sum += static_cast<double>(radius);
+    ++alive;
+  }
+  const double mean_radius = alive == 0 ? 1 : sum / static_cast<double>(alive);
+  if (margin_ == 0) margin_ = 0.2 * mean_radius;
+  if (listed_ && list_age_ < 10) margin_ *= 1.5;
+  if (listed_ && list_age_ > 60) margin_ *= 0.7;
+  margin_ = std::clamp(margin_, 0.02 * mean_radius, mean_radius);
+}
+
+// Positions in double precision, in the order of the rows or of the cells.
+template <class T>
+void Solver<T>::search_columns(const std::vector<std::uint32_t>* order) {
+  for (auto& column : search_) column.resize(rows_ + group_rows);
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Record& record = records_[0][order ? (*order)[i] : i];
+      for (std::size_t c = 0; c < 3; ++c) {
+        search_[c][i] =
+            static_cast<double>(record.position[c]) + static_cast<double>(record.residual[c]);
+      }
+      search_[3][i] = record.radius > 0 ? static_cast<double>(record.radius) : -1.0;
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::list_rows() {
+  const std::size_t members = grid_.members();
+  const std::size_t rows_each = window_rows * windows_per_task;
+  const std::size_t tasks = tasks_of(rows_, rows_each);
+  raw_.resize(tasks);
+  raw_count_.resize(rows_);
+  raw_first_.resize(rows_);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    ListPass pass;
+    pass.first_row = std::min(members, task * rows_each);
+    pass.last_row = std::min(members, pass.first_row + rows_each);
+    pass.index = grid_.index();
+    pass.columns = {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
+    pass.margin = margin_;
+    pass.owner = &raw_[task];
+    pass.grow = [](void* owner, std::size_t entries) {
+      auto& lists = *static_cast<std::vector<std::uint32_t>*>(owner);
+      if (lists.size() < entries) lists.resize(entries);
+      return lists.data();
+    };
+    pass.counts = raw_count_.data() + pass.first_row;
+    kernels_.list_neighbors(pass);
+    std::uint32_t first = 0;
+    for (std::size_t row = task * rows_each; row < std::min(rows_, (task + 1) * rows_each); ++row) {
+      if (row >= members) raw_count_[row] = 0;
+      raw_first_[row] = first;
+      first += raw_count_[row];
+    }
+  });
+}
+
+// Orders the rows of each window by the length of their lists, the longest first.
+template <class T>
+void Solver<T>::place_rows() {
+  source_.resize(rows_);
+  place_.resize(rows_);
+  parallel_.for_each(tasks_of(rows_, window_rows), [&](std::size_t window) {
+    const std::size_t first = window * window_rows;
+    const std::size_t last = std::min(rows_, first + window_rows);
+    std::array<std::uint32_t, window_rows> sorted;
+    for (std::size_t i = first; i < last; ++i) {
+      sorted[i - first] = static_cast<std::uint32_t>(i);
+    }
+    std::stable_sort(
+        sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(last - first),
+        [&](std::uint32_t a, std::uint32_t b) { return raw_count_[a] > raw_count_[b]; });
+    for (std::size_t row = first; row < last; ++row) {
+      place_[sorted[row - first]] = static_cast<std::uint32_t>(row);
+    }
+  });
+  parallel_.for_each(tasks_of(rows_, window_rows), [&](std::size_t window) {
+    const std::size_t last = std::min(rows_, (window + 1) * window_rows);
+    for (std::size_t i = window * window_rows; i < last; ++i) {
+      source_[place_[i]] = grid_.order()[i];
+    }
+  });
+}
+
+template <class T>
+void Solver<T>::lay_out_neighbors() {
+  const std::size_t groups = rows_ / group_rows;
+  new_rank_.resize(rows_);
+  // How long a row's list is, and where: by its place among the cells.
+  std::vector<std::uint32_t> among_cells(rows_);
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      among_cells[place_[i]] = static_cast<std::uint32_t>(i);
+      new_rank_[place_[i]] = rank_[grid_.order()[i]];
+    }
+  });
+  near_.first_slot.resize(groups + 1);
+  std::uint64_t slots = 0;
+  std::uint64_t entries = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    near_.first_slot[group] = slots;
+    std::uint32_t longest = 0;
+    for (std::size_t lane = 0; lane < group_rows; ++lane) {
+      const std::uint32_t count = raw_count_[among_cells[group * group_rows + lane]];
+      longest = std::max(longest, count);
+      entries += count;
+    }
+    slots += longest;
+  }
+  near_.first_slot[groups] = slots;
+  profile_.list_entries += entries;
+  near_.make_room(law());
+  neighbor_.resize(slots * group_rows);
+  const std::size_t rows_each = window_rows * windows_per_task;
+  parallel_.for_each(tasks_of(groups, groups_per_task), [&](std::size_t task) {
+    std::vector<std::uint64_t> list;  // rank above, row below
+    for (std::size_t group = task * groups_per_task;
+         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
+      const std::uint64_t first_slot = near_.first_slot[group];
+      const std::uint64_t group_slots = near_.first_slot[group + 1] - first_slot;
+      std::fill(near_.touching.data() + first_slot,
+                near_.touching.data() + first_slot + group_slots, std::uint16_t{0});
+      for (std::size_t lane = 0; lane < group_rows; ++lane) {
+        const std::size_t i = among_cells[group * group_rows + lane];
+        const std::uint32_t count = raw_count_[i];
+        const std::uint32_t* raw = raw_[i / rows_each].data() + raw_first_[i];
+        list.resize(count);
+        for (std::uint32_t n = 0; n < count; ++n) {
+          const std::uint32_t row = place_[raw[n]];
+          const std::uint64_t entry = std::uint64_t{new_rank_[row]} << 32 | row;
+          // Lists are short: the place of each is near.
+          std::uint32_t at = n;
+          for (; at > 0 && list[at - 1] > entry; --at) list[at] = list[at - 1];
+          list[at] = entry;
+        }
+        std::int32_t* to = neighbor_.data() + first_slot * group_rows + lane;
+        for (std::uint64_t slot = 0; slot < group_slots; ++slot) {
+          to[slot * group_rows] = static_cast<std::int32_t>(
+              slot < count ? static_cast<std::uint32_t>(list[slot]) : rows_);
+        }
+      }
+    }
+  });
+}
+
+// The walls that a group may reach before the lists are built again.
+template <class T>
+void Solver<T>::lay_out_walls() {
+  const std::size_t groups = rows_ / group_rows;
+  wall_lists_.first_slot.resize(groups + 1);
+  std::vector<std::vector<std::uint32_t>> found(tasks_of(groups, groups_per_task));
+  std::vector<std::uint32_t> counts(groups);
+  parallel_.for_each(found.size(), [&](std::size_t task) {
+    for (std::size_t group = task * groups_per_task;
+         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
+      Bounds bounds;
+      for (std::size_t row = group * group_rows; row < (group + 1) * group_rows; ++row) {
+        const Record& record = records_[0][source_[row]];
+        if (!(record.radius > 0)) continue;
+        std::array<double, 3> at;
+        for (std::size_t c = 0; c < 3; ++c) {
+          at[c] = static_cast<double>(record.position[c]) + static_cast<double>(record.residual[c]);
+        }
+        bounds.add(at, static_cast<double>(record.radius));
+      }
+      for (std::uint32_t w = 0; w < walls_.now().size() && !bounds.empty(); ++w) {
+        if (!walls_.may_reach(w, bounds, margin_)) continue;
+        found[task].push_back(w);
+        ++counts[group];
+      }
+    }
+  });
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    wall_lists_.first_slot[group] = slots;
+    slots += counts[group];
+  }
+  wall_lists_.first_slot[groups] = slots;
+  wall_lists_.make_room(law());
+  wall_.resize(slots);
+  std::uint32_t* to = wall_.data();
+  for (const auto& walls : found) to = std::copy(walls.begin(), walls.end(), to);
+  std::fill(wall_lists_.touching.data(), wall_lists_.touching.data() + slots, std::uint16_t{0});
+}
+
+template <class T>
+template <class Number>
+void Solver<T>::permute(Array<Number>& column, Number padding) {
+  Array<Number> moved;
+  moved.resize(column.size());
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) moved[row] = column[source_[row]];
+  });
+  if (column.size() > rows_) moved[rows_] = padding;
+  column.swap(moved);
+}
+
+template <class T>
+void Solver<T>::move_rows() {
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) {
+      records_[1][row] = records_[0][source_[row]];
+      records_[1][row].path = 0;
+    }
+  });
+  records_[0].swap(records_[1]);
+  rank_.swap(new_rank_);
+  if (has_drag_area_) permute(drag_area_, T(0));
+  if (has_death_) permute(death_, soa::never);
+  if (law().energy_budget) {
+    permute(damping_loss_, T(0));
+    permute(friction_loss_, T(0));
+  }
+}
+
+// ---- memory of the contacts ---------------------------------------------------------------------
+
+// Calls visit(partner, slot of which lists) for each contact of a row, partners ascending.
+template <class T>
+std::size_t Solver<T>::count_row(std::size_t row) const {
+  const std::size_t group = row / group_rows;
+  const std::size_t lane = row % group_rows;
+  std::size_t count = 0;
+  for (const Lists<T>* lists : {&near_, &wall_lists_}) {
+    for (std::size_t slot = lists->first_slot[group]; slot < lists->first_slot[group + 1]; ++slot) {
+      count += lists->touching[slot] >> lane & 1;
+    }
+  }
+  return count;
+}
+
+template <class T>
+void Solver<T>::collect_row(std::size_t row, std::size_t entry) {
+  const std::size_t group = row / group_rows;
+  const std::size_t lane = row % group_rows;
+  const auto copy = [&](const Lists<T>& lists, std::size_t slot) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t from = (slot * 3 + c) * group_rows + lane;
+      if (law().frictional()) remembered_.tangential[3 * entry + c] = lists.tangential[from];
+      if (law().rolls()) remembered_.rolling[3 * entry + c] = lists.rolling[from];
+    }
+  };
+  for (std::size_t slot = near_.first_slot[group]; slot < near_.first_slot[group + 1]; ++slot) {
+    if ((near_.touching[slot] >> lane & 1) == 0) continue;
+    const auto other = static_cast<std::size_t>(neighbor_[slot * group_rows + lane]);
+    remembered_.partner[entry] = rank_[other];
+    copy(near_, slot);
+    ++entry;
+  }
+  for (std::size_t slot = wall_lists_.first_slot[group]; slot < wall_lists_.first_slot[group + 1];
+       ++slot) {
+    if ((wall_lists_.touching[slot] >> lane & 1) == 0) continue;
+    remembered_.partner[entry] = wall_flag | wall_[slot];
+    copy(wall_lists_, slot);
+    ++entry;
+  }
+}
+
+// Moves the memory of the contacts out of the lists, in the order of the rows.
+template <class T>
+void Solver<T>::collect() {
+  remembered_.first.resize(rows_ + 1);
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) {
+      remembered_.first[row] = static_cast<std::uint32_t>(count_row(row));
+    }
+  });
+  std::uint32_t entries = 0;
+  for (std::size_t row = 0; row < rows_; ++row) {
+    entries += std::exchange(remembered_.first[row], entries);
+  }
+  remembered_.first[rows_] = entries;
+  remembered_.resize_entries(entries, law());
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) collect_row(row, remembered_.first[row]);
+  });
+}
+
+// Puts back into the lists of a new row what its contacts remember. Lists and memories both ascend.
+template <class T>
+void Solver<T>::recall(std::size_t row, std::size_t source) {
+  const std::size_t group = row / group_rows;
+  const std::size_t lane = row % group_rows;
+  std::uint64_t slot = near_.first_slot[group];
+  std::uint64_t wall_slot = wall_lists_.first_slot[group];
+  const auto put = [&](Lists<T>& lists, std::size_t at, std::size_t entry) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t to = (at * 3 + c) * group_rows + lane;
+      if (law().frictional()) lists.tangential[to] = remembered_.tangential[3 * entry + c];
+      if (law().rolls()) lists.rolling[to] = remembered_.rolling[3 * entry + c];
+    }
+  };
+  for (std::size_t entry = remembered_.first[source]; entry < remembered_.first[source + 1];
+       ++entry) {
+    const std::uint32_t partner = remembered_.partner[entry];
+    if ((partner & wall_flag) == 0) {
+      const auto rank_at = [&](std::uint64_t s) {
+        const auto other = static_cast<std::size_t>(neighbor_[s * group_rows + lane]);
+        return other == rows_ ? wall_flag : new_rank_[other];
+      };
+      while (slot < near_.first_slot[group + 1] && rank_at(slot) < partner) ++slot;
+      if (slot == near_.first_slot[group + 1] || rank_at(slot) != partner) continue;
+      put(near_, slot, entry);
+      near_.touching[slot] = static_cast<std::uint16_t>(near_.touching[slot] | 1U << lane);
+    } else {
+      const std::uint32_t wall = partner & ~wall_flag;
+      while (wall_slot < wall_lists_.first_slot[group + 1] && wall_[wall_slot] < wall) ++wall_slot;
+      if (wall_slot == wall_lists_.first_slot[group + 1] || wall_[wall_slot] != wall) continue;
+      put(wall_lists_, wall_slot, entry);
+      wall_lists_.touching[wall_slot] =
+          static_cast<std::uint16_t>(wall_lists_.touching[wall_slot] | 1U << lane);
+    }
+  }
+}
+
+template <class T>
+void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
+  const Stopwatch watch(profile_.transfer_seconds);
+  if (!remembering_) collect();
+  const auto column = [&](ParticleField field, std::size_t c = 0) {
+    return particles.column<T>(index(field), c);
+  };
+  T* damping_loss = column(ParticleField::damping_loss);
+  T* friction_loss = column(ParticleField::friction_loss);
+  auto* death = particles.column<std::int32_t>(index(ParticleField::death));
+  std::vector<std::uint32_t> row_of(particles_);
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) {
+      const std::size_t rank = rank_[row];
+      if (rank >= particles_) continue;
+      row_of[rank] = static_cast<std::uint32_t>(row);
+      const Record& record = records_[0][row];
+      const auto write = [&](ParticleField field, const T* from) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (T* to = column(field, c)) to[rank] = from[c];
+        }
+      };
+      write(ParticleField::position, record.position);
+      write(ParticleField::residual, record.residual);
+      write(ParticleField::velocity, record.velocity);
+      write(ParticleField::angular_velocity, record.spin);
+      if (damping_loss) damping_loss[rank] = damping_loss_[row];
+      if (friction_loss) friction_loss[rank] = friction_loss_[row];
+      if (death) death[rank] = death_[row];
+    }
+  });
+  contacts = empty_contacts(setup_);
+  if (law().frictional()) {
+    const auto listed = [&](std::size_t row, std::uint32_t partner) {
+      return (partner & wall_flag) != 0 ||
+             (partner > rank_[row] && records_[0][row_of[partner]].radius > 0);
+    };
+    std::size_t pairs = 0;
+    for (std::size_t rank = 0; rank < particles_; ++rank) {
+      const std::size_t row = row_of[rank];
+      if (!(records_[0][row].radius > 0)) continue;
+      for (std::size_t e = remembered_.first[row]; e < remembered_.first[row + 1]; ++e) {
+        if (listed(row, remembered_.partner[e])) ++pairs;
+      }
+    }
+    contacts.append(pairs);
+    auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
+    std::size_t pair = 0;
+    for (std::size_t rank = 0; rank < particles_; ++rank) {
+      const std::size_t row = row_of[rank];
+      if (!(records_[0][row].radius > 0)) continue;
+      for (std::size_t e = remembered_.first[row]; e < remembered_.first[row + 1]; ++e) {
+        const std::uint32_t partner = remembered_.partner[e];
+        if (!listed(row, partner)) continue;
+        contacts.ids()[pair] = ids_[rank];
+        partners[pair] = (partner & wall_flag) != 0 ? soa::obstacle_partner(partner & ~wall_flag)
+                                                    : ids_[partner];
+        for (std::size_t c = 0; c < 3; ++c) {
+          contacts.column<T>(index(ContactField::tangential_displacement), c)[pair] =
+              remembered_.tangential[3 * e + c];
+          if (law().rolls()) {
+            contacts.column<T>(index(ContactField::rolling_displacement), c)[pair] =
+                remembered_.rolling[3 * e + c];
+          }
+        }
+        ++pair;
+      }
+    }
+  }
+}
+
+template <class T>
+std::size_t Solver<T>::resident_bytes() const {
+  std::size_t bytes =
+      neighbor_.resident_bytes() + wall_.resident_bytes() + near_.resident_bytes() +
+      wall_lists_.resident_bytes() + remembered_.resident_bytes() + rank_.resident_bytes() +
+      new_rank_.resident_bytes() + source_.resident_bytes() + place_.resident_bytes() +
+      drag_area_.resident_bytes() + death_.resident_bytes() + damping_loss_.resident_bytes() +
+      friction_loss_.resident_bytes() + raw_count_.resident_bytes() + raw_first_.resident_bytes();
+  for (const auto& records : records_) bytes += records.resident_bytes();
+  for (const auto& column : search_) bytes += column.resident_bytes();
+  for (const auto& lists : raw_) bytes += lists.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
+}  // namespace
+
+std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
+                                                   const ContactTuning& tuning,
+                                                   const Parallel& parallel) {
+  if (setup.precision == soa::Precision::float32) {
+    return std::make_unique<Solver<float>>(setup, isa, tuning, parallel);
+  }
+  return std::make_unique<Solver<double>>(setup, isa, tuning, parallel);
+}
+
+bool remembers_contacts(const Setup& setup) {
+  return setup.contact_law && setup.contact_law->frictional();
+}
+
+soa::Table empty_contacts(const Setup& setup) {
+  const bool frictional = remembers_contacts(setup);
+  const bool rolls = frictional && setup.contact_law->rolls();
+  return {soa::contact_fields, setup.precision, {true, true, frictional, rolls}};
+}
+
+}  // namespace salvo::solver
