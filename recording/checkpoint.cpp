@@ -12,6 +12,7 @@
 #include "recording/directory.hpp"
 #include "recording/frame_reader.hpp"
 #include "recording/ownership.hpp"
+#include "soa/contact_fields.hpp"
 #include "soa/particle_fields.hpp"
 
 namespace salvo::recording {
@@ -20,8 +21,8 @@ namespace {
 
 constexpr std::span<const soa::Field> fields = soa::particle_fields;
 
-const FrameColumn* column_named(const Frame& frame, std::string_view name) {
-  for (const FrameColumn& column : frame.columns) {
+const FrameColumn* column_named(const std::vector<FrameColumn>& columns, std::string_view name) {
+  for (const FrameColumn& column : columns) {
     if (column.name == name) return &column;
   }
   return nullptr;
@@ -46,6 +47,34 @@ void fill(soa::Table& table, std::size_t field, const FrameColumn& column) {
   }
 }
 
+bool is_of(const FrameColumn& column, const soa::Field& field) {
+  return column.scalar == field.scalar && column.components == field.components;
+}
+
+std::optional<soa::Table> contacts_of(const Frame& frame, const std::filesystem::path& path) {
+  if (frame.contact_columns.empty()) return std::nullopt;
+  std::vector<bool> stored;
+  for (const soa::Field& field : soa::contact_fields) {
+    stored.push_back(column_named(frame.contact_columns, field.name) != nullptr);
+  }
+  const auto fail = [&](std::string_view field, std::string_view what) {
+    throw CorruptFile(fmt::format("cannot read {}: {} {}", path.string(), field, what));
+  };
+  for (const std::size_t f : {0U, 1U}) {
+    if (!stored[f]) fail(soa::contact_fields[f].name, "is missing");
+  }
+  soa::Table table(soa::contact_fields, frame.info.precision, stored);
+  table.append(frame.contacts);
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    if (!stored[f]) continue;
+    const soa::Field& field = soa::contact_fields[f];
+    const FrameColumn& column = *column_named(frame.contact_columns, field.name);
+    if (!is_of(column, field)) fail(field.name, "has another type than in this version");
+    fill(table, f, column);
+  }
+  return table;
+}
+
 soa::Table table_of(const Frame& frame, const std::filesystem::path& path) {
   const auto fail = [&](std::string_view field, std::string_view what) {
     throw CorruptFile(fmt::format("cannot read {}: {} {}", path.string(), field, what));
@@ -62,11 +91,9 @@ soa::Table table_of(const Frame& frame, const std::filesystem::path& path) {
       table.set_uniform(f, uniform_named(frame.info, fields[f].name)->value);
       continue;
     }
-    const FrameColumn* column = column_named(frame, fields[f].name);
+    const FrameColumn* column = column_named(frame.columns, fields[f].name);
     if (!column) fail(fields[f].name, "is missing");
-    if (column->scalar != fields[f].scalar || column->components != fields[f].components) {
-      fail(fields[f].name, "has another type than in this version");
-    }
+    if (!is_of(*column, fields[f])) fail(fields[f].name, "has another type than in this version");
     fill(table, f, *column);
   }
   if (!table.sorted_by_id()) fail(fields[0].name, "is not ascending");
@@ -83,7 +110,7 @@ void CheckpointData::restore(solver::World& world) && {
   for (std::size_t f = 0; f < fields.size(); ++f) {
     assert(particles.stored(f) == world.particles().stored(f));
   }
-  world.restore(step, std::move(particles), tally, removed);
+  world.restore(step, std::move(particles), tally, removed, std::move(contacts));
 }
 
 CheckpointData read_checkpoint(const std::filesystem::path& path) {
@@ -92,10 +119,12 @@ CheckpointData read_checkpoint(const std::filesystem::path& path) {
     throw RecordingError(fmt::format(
         "cannot go on from {}: it holds only some columns or particles", path.string()));
   }
-  CheckpointData data{
-      frame.info.step,        table_of(frame, path), frame.info.tally, frame.info.removed, {},
-      frame.info.scene_digest};
-  data.hash = state_hash(data.particles, solver::Parallel(solver::hardware_threads()));
+  CheckpointData data{frame.info.step,        table_of(frame, path), contacts_of(frame, path),
+                      frame.info.tally,       frame.info.removed,    {},
+                      frame.info.scene_digest};
+  const solver::Parallel parallel(solver::hardware_threads());
+  data.hash = state_hash(data.particles, parallel);
+  if (data.contacts) append(data.hash, state_hash(*data.contacts, parallel));
   if (data.hash.total != frame.info.state_hash) {
     throw CorruptFile(fmt::format("cannot read {}: the state in it has the hash {}, not {}",
                                   path.string(), to_string(data.hash.total),

@@ -22,7 +22,8 @@ namespace salvo::recording {
 
 struct CheckpointData {
   std::int64_t step = 0;
-  soa::Table particles;  ///< sorted by id
+  soa::Table particles;                ///< sorted by id
+  std::optional<soa::Table> contacts;  ///< what they remember, if anything
   solver::ContactTally tally;
   std::uint64_t removed = 0;
   solver::StateHash hash;  ///< recomputed, and equal to the stored one

@@ -70,6 +70,8 @@ struct Frame {
   FrameInfo info;
   std::size_t rows = 0;
   std::vector<FrameColumn> columns;
+  std::size_t contacts = 0;  ///< that remember something; in full states
+  std::vector<FrameColumn> contact_columns;
 };
 
 }  // namespace salvo::recording

@@ -85,15 +85,23 @@ FrameInfo read_frame_info(const std::filesystem::path& path) {
 
 Frame read_frame(const std::filesystem::path& path) {
   return with_sealed_hdf5(path, "a frame", [](hid_t file) {
-    Frame frame{info_of(file), 0, {}};
-    const Handle particles = hdf5::open_group(file, "particles");
-    for (const std::string& name : hdf5::names_in(particles)) {
-      std::size_t rows = 0;
-      frame.columns.push_back(read_column(particles, name, frame.info.precision, rows));
-      if (frame.columns.size() > 1 && rows != frame.rows) {
-        throw hdf5::Error(fmt::format("dataset {} has another number of rows", name));
+    Frame frame{info_of(file), 0, {}, 0, {}};
+    const auto read_group = [&](const char* name, std::vector<FrameColumn>& columns,
+                                std::size_t& count) {
+      const Handle group = hdf5::open_group(file, name);
+      for (const std::string& dataset : hdf5::names_in(group)) {
+        std::size_t rows = 0;
+        columns.push_back(read_column(group, dataset, frame.info.precision, rows));
+        if (columns.size() > 1 && rows != count) {
+          throw hdf5::Error(fmt::format("dataset {} has another number of rows", dataset));
+        }
+        count = rows;
       }
-      frame.rows = rows;
+    };
+    read_group("particles", frame.columns, frame.rows);
+    const std::vector<std::string> groups = hdf5::names_in(file);
+    if (std::find(groups.begin(), groups.end(), "contacts") != groups.end()) {
+      read_group("contacts", frame.contact_columns, frame.contacts);
     }
     std::stable_sort(
         frame.columns.begin(), frame.columns.end(),

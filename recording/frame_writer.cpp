@@ -42,8 +42,8 @@ void interleave(const std::array<const std::byte*, 3>& columns, std::size_t rows
   }
 }
 
-void fill(const FieldRows& columns, std::size_t rows, Precision precision, std::byte* to) {
-  const soa::Field& field = fields[columns.field];
+void fill(const soa::Field& field, const FieldRows& columns, std::size_t rows, Precision precision,
+          std::byte* to) {
   const std::size_t size = size_of(field.scalar, precision);
   if (field.components == 1) {
     std::memcpy(to, columns.components[0], rows * size);
@@ -68,7 +68,8 @@ std::array<double, 3> canonical(const std::array<double, 3>& values) {
 FrameWriter::FrameWriter(const scene::Scene& scene)
     : scene_(scene), scene_digest_(to_string(scene_digest(scene))) {}
 
-hdf5::MemoryFile FrameWriter::compose(const StateInfo& state, const Rows& rows, double fraction) {
+hdf5::MemoryFile FrameWriter::compose(const StateInfo& state, const Rows& rows, double fraction,
+                                      const soa::Table* contacts) {
   const hdf5::Session session;
   hdf5::MemoryFile file;
   // HDF5 makes room for the columns; they are filled in when it is done, which saves copies.
@@ -79,11 +80,15 @@ hdf5::MemoryFile FrameWriter::compose(const StateInfo& state, const Rows& rows, 
       offsets.push_back(hdf5::offset_of(create_column(particles, columns, rows)));
     }
   }
-  write_salvo(file, state, rows, fraction);
+  const bool remembers = solver::remembers_contacts(scene_.setup);
+  write_salvo(file, state, rows, fraction, rows.complete && (contacts || !remembers));
+  if (contacts && remembers) write_contacts(file, *contacts);
   write_vtk(file, rows);
   std::byte* bytes = file.bytes().data();
   for (std::size_t i = 0; i < offsets.size(); ++i) {
-    if (offsets[i]) fill(rows.fields[i], rows.count, scene_.setup.precision, bytes + *offsets[i]);
+    if (!offsets[i]) continue;
+    fill(fields[rows.fields[i].field], rows.fields[i], rows.count, scene_.setup.precision,
+         bytes + *offsets[i]);
   }
   return file;
 }
@@ -96,8 +101,25 @@ Handle FrameWriter::create_column(hid_t group, const FieldRows& columns, const R
                               stored ? std::nullopt : std::optional(rows.uniform[columns.field]));
 }
 
-void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& rows,
-                              double fraction) const {
+// What the contacts remember: /contacts, by particle and partner.
+void FrameWriter::write_contacts(hid_t file, const soa::Table& contacts) const {
+  const Handle group = hdf5::create_group(file, "contacts");
+  const Rows rows = all_rows(contacts);
+  std::vector<std::byte> values;
+  for (const FieldRows& columns : rows.fields) {
+    const soa::Field& field = contacts.fields()[columns.field];
+    const Handle dataset =
+        create_field_dataset(group, std::string(field.name), field, contacts.precision(),
+                             extents_of(field, rows.count), std::nullopt);
+    if (rows.count == 0) continue;
+    values.resize(rows.count * field.components * size_of(field.scalar, contacts.precision()));
+    fill(field, columns, rows.count, contacts.precision(), values.data());
+    hdf5::write_all(dataset, type_of(field.scalar, contacts.precision()), values.data());
+  }
+}
+
+void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& rows, double fraction,
+                              bool complete) const {
   using hdf5::write_attribute;
   const Handle salvo = hdf5::create_group(file, "salvo");
   write_attribute(salvo, "step", state.step);
@@ -105,7 +127,7 @@ void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& ro
   write_attribute(salvo, "seed", scene_.setup.seed);
   write_attribute(salvo, "precision", scene::name(scene_.setup.precision));
   write_attribute(salvo, "fraction", fraction);
-  write_attribute(salvo, "complete", static_cast<std::uint8_t>(rows.complete));
+  write_attribute(salvo, "complete", static_cast<std::uint8_t>(complete));
   write_attribute(salvo, "scene", std::string_view(scene_.text));
   write_attribute(salvo, "overrides", scene_.overrides);
   write_attribute(salvo, "scene_digest", std::string_view(scene_digest_));

@@ -30,12 +30,16 @@ class FrameWriter {
   /// The scene must outlive the writer.
   explicit FrameWriter(const scene::Scene& scene);
 
-  /// `fraction` of the particles are in `rows`. Throws hdf5::Error. Not for two threads at a time.
-  hdf5::MemoryFile compose(const StateInfo& state, const Rows& rows, double fraction);
+  /// `fraction` of the particles are in `rows`. With the contacts, where they remember anything, a
+  /// file of all rows holds the full state. Throws hdf5::Error. Not for two threads at a time.
+  hdf5::MemoryFile compose(const StateInfo& state, const Rows& rows, double fraction,
+                           const soa::Table* contacts = nullptr);
 
  private:
   hdf5::Handle create_column(hid_t group, const FieldRows& columns, const Rows& rows) const;
-  void write_salvo(hid_t file, const StateInfo& state, const Rows& rows, double fraction) const;
+  void write_contacts(hid_t file, const soa::Table& contacts) const;
+  void write_salvo(hid_t file, const StateInfo& state, const Rows& rows, double fraction,
+                   bool complete) const;
   void write_vtk(hid_t file, const Rows& rows);
   void write_connectivity(hid_t group, std::size_t points);
 

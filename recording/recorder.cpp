@@ -231,7 +231,8 @@ void Recorder::Impl::hand_over_frame(const solver::World& world) {
 void Recorder::Impl::hand_over_checkpoint(const solver::World& world) {
   Pending& slot = wait_for_slot();
   constexpr double everything = 1;
-  slot.checkpoint = checkpoint_writer_.compose(slot.state, all_rows(world.particles()), everything);
+  slot.checkpoint = checkpoint_writer_.compose(slot.state, all_rows(world.particles()), everything,
+                                               &world.contacts());
   hand_over();
 }
 
