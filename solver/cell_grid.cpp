@@ -64,8 +64,10 @@ void fit(const Extent& extent, CellClass& cells, std::uint64_t room) {
     double total = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       // One more on each side: a search may look there.
-      const double count =
+      double count =
           std::floor((extent.highest[axis] - extent.lowest[axis]) * cells.inverse_cell) + 3;
+      constexpr auto across = static_cast<double>(bar);
+      if (axis > 0) count = std::ceil(count / across) * across;
       total *= count;
       if (!(total < static_cast<double>(room))) break;
       cells.counts[axis] = static_cast<std::uint64_t>(count);
@@ -79,7 +81,7 @@ std::uint64_t key_of(const CellClass& c, double x, double y, double z) {
   const auto along = [&](std::size_t axis, double at) {
     return static_cast<std::uint64_t>((at - c.origin[axis]) * c.inverse_cell);
   };
-  return c.first_key + (along(2, z) * c.counts[1] + along(1, y)) * c.counts[0] + along(0, x);
+  return c.key(along(0, x), along(1, y), along(2, z));
 }
 
 }  // namespace

@@ -25,7 +25,10 @@ struct SearchColumns {
   const double* radius = nullptr;
 };
 
-/// Cells of one size class: cell (i, j, k) has the key first_key + (k ny + j) nx + i.
+/// Cells across a bar.
+inline constexpr std::uint64_t bar = 8;
+
+/// Cells of one size class. The counts along y and z are whole bars.
 struct CellClass {
   double cell = 0;  ///< edge, m
   double inverse_cell = 0;
@@ -33,6 +36,12 @@ struct CellClass {
   std::uint64_t counts[3] = {};
   std::uint64_t first_key = 0;
   double largest_radius = 0;
+
+  /// Of the cell (i, j, k). Keys follow one another along j within a bar.
+  std::uint64_t key(std::uint64_t i, std::uint64_t j, std::uint64_t k) const {
+    const std::uint64_t number = k / bar * (counts[1] / bar) + j / bar;
+    return first_key + ((number * counts[0] + i) * bar + k % bar) * bar + j % bar;
+  }
 };
 
 /// What a search needs; plain data, for the kernels.

@@ -495,12 +495,16 @@ class ListBuilder {
       const CellRange along_x = cells_along(c, 0, x, reach);
       const CellRange along_y = cells_along(c, 1, y, reach);
       const CellRange along_z = cells_along(c, 2, z, reach);
-      for (std::uint64_t k = along_z.first; k <= along_z.last; ++k) {
-        for (std::uint64_t j = along_y.first; j <= along_y.last; ++j) {
-          const std::uint64_t line = c.first_key + (k * c.counts[1] + j) * c.counts[0];
-          const std::uint32_t first = first_at_least(pass_.index, line + along_x.first);
-          const std::uint32_t last = first_at_least(pass_.index, line + along_x.last + 1);
-          if (first < last) take(row, first, last, V(x), V(y), V(z), V(radius));
+      for (std::uint64_t i = along_x.first; i <= along_x.last; ++i) {
+        for (std::uint64_t k = along_z.first; k <= along_z.last; ++k) {
+          // A bar at a time.
+          for (std::uint64_t j = along_y.first, end = 0; j <= along_y.last; j = end) {
+            end = std::min(along_y.last + 1, (j / bar + 1) * bar);
+            const std::uint64_t key = c.key(i, j, k);
+            const std::uint32_t first = first_at_least(pass_.index, key);
+            const std::uint32_t last = first_at_least(pass_.index, key + (end - j));
+            if (first < last) take(row, first, last, V(x), V(y), V(z), V(radius));
+          }
         }
       }
     }

@@ -120,6 +120,14 @@ struct Lists {
     if (law.frictional()) tangential.resize(numbers);
     if (law.rolls()) rolling.resize(numbers);
   }
+  void clear_slot(std::size_t slot, const models::ContactLaw& law) {
+    constexpr std::size_t numbers = 3 * group_rows;
+    const auto clear = [&](Array<T>& column) {
+      std::fill_n(column.data() + slot * numbers, numbers, T(0));
+    };
+    if (law.frictional()) clear(tangential);
+    if (law.rolls()) clear(rolling);
+  }
   ContactMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
   std::size_t resident_bytes() const {
     return first_slot.resident_bytes() + touching.resident_bytes() + tangential.resident_bytes() +
@@ -779,6 +787,9 @@ void Solver<T>::recall(std::size_t row, std::size_t source) {
   std::uint64_t slot = near_.first_slot[group];
   std::uint64_t wall_slot = wall_lists_.first_slot[group];
   const auto put = [&](Lists<T>& lists, std::size_t at, std::size_t entry) {
+    // The kernel reads the slot of all lanes when one of them touched.
+    if (lists.touching[at] == 0) lists.clear_slot(at, law());
+    lists.touching[at] = static_cast<std::uint16_t>(lists.touching[at] | 1U << lane);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t to = (at * 3 + c) * group_rows + lane;
       if (law().frictional()) lists.tangential[to] = remembered_.tangential[3 * entry + c];
@@ -796,14 +807,11 @@ void Solver<T>::recall(std::size_t row, std::size_t source) {
       while (slot < near_.first_slot[group + 1] && rank_at(slot) < partner) ++slot;
       if (slot == near_.first_slot[group + 1] || rank_at(slot) != partner) continue;
       put(near_, slot, entry);
-      near_.touching[slot] = static_cast<std::uint16_t>(near_.touching[slot] | 1U << lane);
     } else {
       const std::uint32_t wall = partner & ~wall_flag;
       while (wall_slot < wall_lists_.first_slot[group + 1] && wall_[wall_slot] < wall) ++wall_slot;
       if (wall_slot == wall_lists_.first_slot[group + 1] || wall_[wall_slot] != wall) continue;
       put(wall_lists_, wall_slot, entry);
-      wall_lists_.touching[wall_slot] =
-          static_cast<std::uint16_t>(wall_lists_.touching[wall_slot] | 1U << lane);
     }
   }
 }
