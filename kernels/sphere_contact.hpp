@@ -35,8 +35,6 @@ struct SphereContact {
   V lever;           // from the centre to the point of contact, m
   Vec3<V> velocity;  // of this sphere's point of contact relative to the partner's, m/s
   Vec3<V> rolling;   // R* (w - w_partner) x n, m/s
-  V mass;            // m*, kg
-  V radius;          // R*, m
 };
 
 /// The springs and dashpots of a contact.
@@ -45,19 +43,29 @@ struct ContactSprings {
   V elastic;             // normal force of the spring, N
   V normal_damping;      // N s/m
   V tangential;          // stiffness, N/m
+  V compliance;          // its inverse, m/N
   V tangential_damping;  // N s/m
+};
+
+/// What a law has to know of a pair but its overlap.
+template <class V>
+struct ContactPair {
+  V mass;     // m*, kg
+  V radius;   // R*, m
+  V damping;  // of the normal dashpot: N s/m, under Hertz' law over the root of the stiffness dF/dd
 };
 
 template <class V>
 struct LinearSpring {
   V normal_stiffness;      // N/m
   V tangential_stiffness;  // N/m
+  V compliance;            // 1/tangential_stiffness, m/N
   V tangential_damping;    // over the normal damping
 
-  ContactSprings<V> at(V overlap, V mass, V /*radius*/, V zeta) const {
-    const V damping = V(2) * zeta * sqrt(normal_stiffness * mass);
-    return {normal_stiffness * overlap, damping, tangential_stiffness,
-            tangential_damping * damping};
+  V damping(V mass, V zeta) const { return V(2) * zeta * sqrt(normal_stiffness * mass); }
+  ContactSprings<V> at(V overlap, const ContactPair<V>& pair) const {
+    return {normal_stiffness * overlap, pair.damping, tangential_stiffness, compliance,
+            tangential_damping * pair.damping};
   }
   V elastic_energy(V overlap, V /*radius*/) const {
     return V(0.5) * normal_stiffness * overlap * overlap;
@@ -70,66 +78,60 @@ struct HertzMindlin {
   V shear;               // G* = G/(2 (2 - nu)), Pa
   V tangential_damping;  // over what the normal damping's formula gives with k_t
 
-  ContactSprings<V> at(V overlap, V mass, V radius, V zeta) const {
-    const V contact_radius = sqrt(radius * overlap);
+  V damping(V mass, V zeta) const { return V(2) * zeta * sqrt(V(5.0 / 6.0) * mass); }
+  ContactSprings<V> at(V overlap, const ContactPair<V>& pair) const {
+    const V contact_radius = sqrt(pair.radius * overlap);
     const V normal = V(2) * young * contact_radius;  // dF/dd
     const V tangential = V(8) * shear * contact_radius;
-    const V factor = V(2) * zeta;
-    return {V(2.0 / 3.0) * normal * overlap, factor * sqrt(V(5.0 / 6.0) * mass * normal),
-            tangential, tangential_damping * (factor * sqrt(V(5.0 / 6.0) * mass * tangential))};
+    return {V(2.0 / 3.0) * normal * overlap, pair.damping * sqrt(normal), tangential,
+            V(1) / select(tangential > V(0), tangential, V(1)),
+            tangential_damping * (pair.damping * sqrt(tangential))};
   }
   V elastic_energy(V overlap, V radius) const {
     return V(8.0 / 15.0) * young * sqrt(radius * overlap) * overlap * overlap;
   }
 };
 
-/// A displacement turned into the plane of contact, its length kept.
-template <class V>
-Vec3<V> turned_into_plane(Vec3<V> displacement, Vec3<V> normal) {
-  const Vec3<V> in_plane = displacement - normal * dot(displacement, normal);
-  const V squared = norm_squared(in_plane);
-  const auto usable = squared > V(0);
-  const V scale = sqrt(norm_squared(displacement) / select(usable, squared, V(1)));
-  return select(usable, in_plane * scale, in_plane);
-}
-
 /// A spring and a dashpot in the plane of contact that slip beyond a greatest force.
 template <class V>
-struct SlipResult {
-  Vec3<V> force;         // N, against the displacement
-  Vec3<V> displacement;  // of the spring at the end of the step, m
-  V loss;                // to slip and dashpot, J
-};
+struct SlipSpring {
+  Vec3<V> before;  // displacement at the start of the step, in the plane, m
+  Vec3<V> after;   // and at its end, m
+  Vec3<V> force;   // N, along the displacement: what it does is the opposite
 
-template <class V>
-SlipResult<V> slip_spring(Vec3<V> displacement, Vec3<V> normal, Vec3<V> velocity, V stiffness,
-                          V damping, V greatest, V dt) {
-  const Vec3<V> before = turned_into_plane(displacement, normal);
-  const Vec3<V> path = velocity * dt;
-  const Vec3<V> stretched = before + path;
-  const Vec3<V> trial = stretched * stiffness + velocity * damping;
-  const V size = norm(trial);
-  const auto slips = size > greatest;
-  const V kept = select(slips, greatest / select(slips, size, V(1)), V(1));
-  const Vec3<V> force = trial * kept;
-  const V compliance = V(1) / select(stiffness > V(0), stiffness, V(1));
-  const Vec3<V> after = select(slips, (force - velocity * damping) * compliance, stretched);
-  const V stored = V(0.5) * stiffness * (norm_squared(after) - norm_squared(before));
-  return {-force, after, dot(force, path) - stored};
-}
+  /// The displacement is turned into the plane by projection. That shortens it by the cosine of the
+  /// angle that the contact turned in the step.
+  SlipSpring(Vec3<V> displacement, Vec3<V> normal, Vec3<V> velocity,
+             const ContactSprings<V>& springs, V greatest, V dt)
+      : before(displacement - normal * dot(displacement, normal)) {
+    const Vec3<V> stretched = before + velocity * dt;
+    const Vec3<V> drag = velocity * springs.tangential_damping;
+    const Vec3<V> trial = stretched * springs.tangential + drag;
+    const V squared = norm_squared(trial);
+    const auto slips = squared > greatest * greatest;
+    const V kept = select(slips, greatest / sqrt(select(slips, squared, V(1))), V(1));
+    force = trial * kept;
+    after = select(slips, (force - drag) * springs.compliance, stretched);
+  }
+  /// Heat of slip and dashpot in the step, J.
+  V loss(Vec3<V> velocity, const ContactSprings<V>& springs, V dt) const {
+    const V stored = V(0.5) * springs.tangential * (norm_squared(after) - norm_squared(before));
+    return dot(force, velocity) * dt - stored;
+  }
+};
 
 template <class V>
 struct NormalForce {
   V pressing;  // without cohesion, N >= 0
   V along;     // with cohesion, along the normal, N
-  V loss;      // J
 };
 
-/// `apart`: relative velocity along the normal, m/s.
+/// `apart`: relative velocity along the normal, m/s. The dashpot's heat is (elastic - pressing)
+/// apart a second.
 template <class V>
-NormalForce<V> normal_force(const ContactSprings<V>& springs, V apart, V pull, V dt) {
+NormalForce<V> normal_force(const ContactSprings<V>& springs, V apart, V pull) {
   const V pressing = max(springs.elastic - springs.normal_damping * apart, V(0));
-  return {pressing, pressing - pull, (springs.elastic - pressing) * apart * dt};
+  return {pressing, pressing - pull};
 }
 
 /// The restitution of a head-on impact with damping ratio zeta >= 0.

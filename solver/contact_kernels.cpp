@@ -137,6 +137,7 @@ class Step {
       : pass_(pass),
         law_(*pass.law),
         between_{V(pass.damping_ratio), V(pass.law->friction), V(pass.law->rolling_friction)},
+        equal_pair_(pass.equal ? equal_pair(pass) : kernels::ContactPair<V>{}),
         pull_(4 * kernels::pi * pass.law->surface_energy),
         cohesive_(pass.law->surface_energy != 0),
         budget_(pass.damping_loss != nullptr),
@@ -147,6 +148,7 @@ class Step {
 
   void advance() {
     for (std::size_t group = pass_.first_group; group < pass_.last_group; ++group) {
+      prefetch(group + prefetch_groups);
       for (std::size_t lane = 0; lane < group_rows; lane += V::width) advance_pack(group, lane);
     }
   }
@@ -154,55 +156,107 @@ class Step {
  private:
   using SphereV = Sphere<V>;
 
-  SALVO_FLATTEN void advance_pack(std::size_t group, std::size_t lane) {
+  // Neighbors are anywhere, which no hardware foresees; but the lists say where.
+  [[gnu::always_inline]] void prefetch(std::size_t group) const {
+    if (group >= pass_.last_group) return;
+    const std::int32_t* end = pass_.neighbor + pass_.first_slot[group + 1] * group_rows;
+    for (const std::int32_t* index = pass_.neighbor + pass_.first_slot[group] * group_rows;
+         index < end; ++index) {
+      const SphereRecord<T>* record = pass_.from + *index;
+      __builtin_prefetch(record->position);
+      if (sizeof(T) == 8) __builtin_prefetch(record->velocity);
+    }
+    if (!Friction) return;
+    for (std::size_t slot = pass_.first_slot[group]; slot < pass_.first_slot[group + 1]; ++slot) {
+      if (pass_.memory.touching[slot] == 0) continue;
+      const T* line = pass_.memory.tangential + slot * 3 * group_rows;
+      for (std::size_t n = 0; n < 3 * group_rows; n += 64 / sizeof(T)) {
+        __builtin_prefetch(line + n, 1);
+        if (Rolling) __builtin_prefetch(pass_.memory.rolling + slot * 3 * group_rows + n, 1);
+      }
+    }
+  }
+
+  void advance_pack(std::size_t group, std::size_t lane) {
     const std::size_t row = group * group_rows + lane;
     SphereV own;
     load_place(pass_.from + row, consecutive, own);
     load_motion(pass_.from + row, consecutive, own);
     Sum<V> sum;
-    for (std::size_t slot = pass_.first_slot[group]; slot < pass_.first_slot[group + 1]; ++slot) {
-      meet_neighbor(own, slot, lane, sum);
-    }
+    meet_neighbors(own, pass_.first_slot[group], pass_.first_slot[group + 1], lane, sum);
     if (!pass_.walls.empty()) meet_walls(own, group, lane, sum);
     move(own, row, sum);
   }
 
-  // The neighbors of one slot.
+  // First who touches, for many slots in one go without a branch; then the contacts of the slots in
+  // which anyone does. Whether one does is a coin's toss, and a processor that guesses wrong loses
+  // the loads that it has under way.
+  SALVO_FLATTEN void meet_neighbors(const SphereV& own, std::size_t first, std::size_t last,
+                                    std::size_t lane, Sum<V>& sum) {
+    constexpr std::size_t most = 64;
+    for (std::size_t start = first; start < last; start += most) {
+      const std::size_t count = std::min(most, last - start);
+      std::uint16_t touching[most];
+      std::uint64_t wanted = 0;
+      for (std::size_t n = 0; n < count; ++n) {
+        const std::uint32_t now = bits(touch(own, start + n, lane));
+        const SlotMemory<V> memory(pass_.memory, start + n, lane);
+        touching[n] = static_cast<std::uint16_t>(now);
+        wanted |= static_cast<std::uint64_t>(now != 0 || memory.touched()) << n;
+      }
+      for (; wanted != 0; wanted &= wanted - 1) {
+        const auto n = static_cast<std::size_t>(std::countr_zero(wanted));
+        if (touching[n] != 0) {
+          meet_neighbor(own, start + n, lane, sum);
+        } else {
+          SlotMemory<V> memory(pass_.memory, start + n, lane);
+          forget(memory);
+        }
+      }
+    }
+  }
+
+  Mask touch(const SphereV& own, std::size_t slot, std::size_t lane) const {
+    SphereV other;
+    load_place(pass_.from, pass_.neighbor + slot * group_rows + lane, other);
+    return reaches(own, other, offset_between(own, other));
+  }
+  static Vec3<V> offset_between(const SphereV& own, const SphereV& other) {
+    return (own.position - other.position) + (own.residual - other.residual);
+  }
+  // A radius that is no radius is so negative that its square's sign decides.
+  static Mask reaches(const SphereV& own, const SphereV& other, Vec3<V> offset) {
+    const V reach = own.radius + other.radius;
+    return norm_squared(offset) < reach * abs(reach);
+  }
+
+  // The neighbors of one slot, some of which touch.
   void meet_neighbor(const SphereV& own, std::size_t slot, std::size_t lane, Sum<V>& sum) {
     const std::int32_t* index = pass_.neighbor + slot * group_rows + lane;
     SphereV other;
     load_place(pass_.from, index, other);
-    const Vec3<V> offset = (own.position - other.position) + (own.residual - other.residual);
-    const V reach = own.radius + other.radius;
-    const V squared = norm_squared(offset);
-    const Mask touching = squared < reach * abs(reach);
-    SlotMemory<V> memory(pass_.memory, slot, lane);
-    if (!any(touching)) {
-      if (memory.touched()) forget(memory);
-      return;
-    }
     load_motion(pass_.from, index, other);
-    const V distance = sqrt(squared);
-    const Mask apart = distance > V(0);
-    const V inverse = V(1) / select(apart, distance, V(1));
+    const Vec3<V> offset = offset_between(own, other);
+    const Mask touching = reaches(own, other, offset);
+    SlotMemory<V> memory(pass_.memory, slot, lane);
+    const V reach = own.radius + other.radius;
+    const V distance = norm(offset);
     kernels::SphereContact<V> contact;
-    contact.normal = select(apart, offset * inverse, between_coincident(own, other));
+    // Two centers at the same place have no direction, and no force until they part.
+    contact.normal = offset * (V(1) / select(distance > V(0), distance, V(1)));
     contact.overlap = max(reach - distance, V(0));
     const V half = V(0.5) * contact.overlap;
     const Vec3<V> turning = own.spin * (own.radius - half) + other.spin * (other.radius - half);
     contact.lever = own.radius - half;
     contact.velocity = (own.velocity - other.velocity) - cross(turning, contact.normal);
-    contact.mass = own.mass * other.mass / (own.mass + other.mass);
-    contact.radius = own.radius * other.radius / (own.radius + other.radius);
-    if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * contact.radius;
-    add(contact, between_, touching, memory, V(0.5), sum);
-  }
-
-  // Two centers at the same place: the direction must be the opposite one for the partner. Which
-  // comes first, the velocities decide; where they are the same, nothing tells the two apart, and
-  // they stay together.
-  static Vec3<V> between_coincident(const SphereV& own, const SphereV& other) {
-    return normalized_or(own.velocity - other.velocity, {V(0), V(0), V(0)});
+    kernels::ContactPair<V> pair = equal_pair_;
+    if (!pass_.equal) {
+      pair.mass = own.mass * other.mass / (own.mass + other.mass);
+      pair.radius = own.radius * other.radius / (own.radius + other.radius);
+      pair.damping = law_.damping(pair.mass, between_.damping_ratio);
+    }
+    if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * pair.radius;
+    add(contact, pair, between_, touching, memory, V(0.5), sum);
   }
 
   void meet_walls(const SphereV& own, std::size_t group, std::size_t lane, Sum<V>& sum) {
@@ -248,57 +302,64 @@ class Step {
         cross(models::broadcast<V>(wall.angular_velocity), p - contact.normal * distance);
     contact.velocity =
         (own.velocity - wall_velocity) - cross(own.spin * contact.lever, contact.normal);
-    contact.mass = own.mass;
-    contact.radius = own.radius;
     if (Rolling) {
-      contact.rolling =
-          cross(own.spin - models::broadcast<V>(wall.angular_velocity), contact.normal) *
-          contact.radius;
+      const Vec3<V> turning = own.spin - models::broadcast<V>(wall.angular_velocity);
+      contact.rolling = cross(turning, contact.normal) * own.radius;
     }
     const Surfaces<V> surfaces{V(wall.damping_ratio), V(wall.shape.friction),
                                between_.rolling_friction};
-    add(contact, surfaces, touching, memory, V(1), sum);
+    const kernels::ContactPair<V> pair{own.mass, own.radius,
+                                       law_.damping(own.mass, surfaces.damping_ratio)};
+    add(contact, pair, surfaces, touching, memory, V(1), sum);
   }
 
   // `share`: the part of the losses that this sphere stands for.
-  void add(const kernels::SphereContact<V>& contact, const Surfaces<V>& surfaces, Mask touching,
-           SlotMemory<V>& memory, V share, Sum<V>& sum) {
+  void add(const kernels::SphereContact<V>& contact, const kernels::ContactPair<V>& pair,
+           const Surfaces<V>& surfaces, Mask touching, SlotMemory<V>& memory, V share,
+           Sum<V>& sum) {
+    using Spring = kernels::SlipSpring<V>;
     const Vec3<V> nothing{V(0), V(0), V(0)};
-    const auto springs =
-        law_.at(contact.overlap, contact.mass, contact.radius, surfaces.damping_ratio);
+    const auto springs = law_.at(contact.overlap, pair);
     const V apart = dot(contact.velocity, contact.normal);
-    const V pull = cohesive_ ? pull_ * contact.radius : V(0);
-    const auto normal = kernels::normal_force(springs, apart, pull, dt_);
+    const V pull = cohesive_ ? pull_ * pair.radius : V(0);
+    const auto normal = kernels::normal_force(springs, apart, pull);
     Vec3<V> force = contact.normal * normal.along;
     Vec3<V> torque = nothing;
     V slip_loss(0);
     if (Friction) {
       const Vec3<V> slip = contact.velocity - contact.normal * apart;
       const bool touched = memory.touched();
-      const auto tangential = kernels::slip_spring(
-          touched ? memory.tangential() : nothing, contact.normal, slip, springs.tangential,
-          springs.tangential_damping, surfaces.friction * normal.pressing, dt_);
-      memory.set_tangential(select(touching, tangential.displacement, nothing));
-      force += tangential.force;
-      torque = cross(contact.normal, tangential.force) * -contact.lever;
-      slip_loss = tangential.loss;
+      const Spring sliding(touched ? memory.tangential() : nothing, contact.normal, slip, springs,
+                           surfaces.friction * normal.pressing, dt_);
+      memory.set_tangential(select(touching, sliding.after, nothing));
+      force -= sliding.force;
+      torque = cross(contact.normal, sliding.force) * contact.lever;
+      if (budget_) slip_loss = sliding.loss(slip, springs, dt_);
       if (Rolling) {
-        const auto rolling =
-            kernels::slip_spring(touched ? memory.rolling() : nothing, contact.normal,
-                                 contact.rolling, springs.tangential, springs.tangential_damping,
-                                 surfaces.rolling_friction * normal.pressing, dt_);
-        memory.set_rolling(select(touching, rolling.displacement, nothing));
-        torque += cross(contact.normal, rolling.force) * contact.radius;
-        slip_loss = slip_loss + rolling.loss;
+        const Spring rolling(touched ? memory.rolling() : nothing, contact.normal, contact.rolling,
+                             springs, surfaces.rolling_friction * normal.pressing, dt_);
+        memory.set_rolling(select(touching, rolling.after, nothing));
+        torque -= cross(contact.normal, rolling.force) * pair.radius;
+        if (budget_) slip_loss = slip_loss + rolling.loss(contact.rolling, springs, dt_);
       }
     }
     memory.set_touching(bits(touching));
     sum.force += select(touching, force, nothing);
     if (Friction) sum.torque += select(touching, torque, nothing);
     if (budget_) {
-      sum.damping_loss = sum.damping_loss + select(touching, normal.loss * share, V(0));
+      const V heat = (springs.elastic - normal.pressing) * apart * dt_;
+      sum.damping_loss = sum.damping_loss + select(touching, heat * share, V(0));
       sum.slip_loss = sum.slip_loss + select(touching, slip_loss * share, V(0));
     }
+  }
+
+  // The same operations as for any two, on particles that are all alike.
+  kernels::ContactPair<V> equal_pair(const ContactPass<T>& pass) const {
+    const V mass(pass.uniform_mass);
+    const V radius(pass.uniform_radius);
+    const V effective = mass * mass / (mass + mass);
+    return {effective, radius * radius / (radius + radius),
+            law_.damping(effective, between_.damping_ratio)};
   }
 
   void forget(SlotMemory<V>& memory) {
@@ -310,7 +371,7 @@ class Step {
 
   // Semi-implicit Euler, which on positions is the leapfrog of velocity Verlet. Positions keep what
   // rounding leaves out: v dt may be far below what a float position resolves.
-  void move(SphereV& own, std::size_t row, const Sum<V>& sum) {
+  SALVO_FLATTEN void move(SphereV& own, std::size_t row, const Sum<V>& sum) {
     const Mask alive = own.radius > V(0);
     const V drag_area =
         pass_.drag_area ? V::load(pass_.drag_area + row) : V(pass_.uniform_drag_area);
@@ -380,12 +441,14 @@ class Step {
     }
   }
 
+  static constexpr std::size_t prefetch_groups = 3;
   static constexpr std::int32_t consecutive[16] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                    8, 9, 10, 11, 12, 13, 14, 15};
 
   ContactPass<T>& pass_;
   const Law law_;
   const Surfaces<V> between_;
+  const kernels::ContactPair<V> equal_pair_;
   const V pull_;
   const bool cohesive_;
   const bool budget_;
@@ -400,9 +463,9 @@ template <class V>
 struct Linear : kernels::LinearSpring<V> {
   using Lanes = V;
   explicit Linear(const models::ContactLaw& law)
-      : kernels::LinearSpring<V>{V(law.normal_stiffness),
-                                 V(law.normal_stiffness * law.tangential_ratio),
-                                 V(law.tangential_damping)} {}
+      : kernels::LinearSpring<V>{
+            V(law.normal_stiffness), V(law.normal_stiffness * law.tangential_ratio),
+            V(1 / (law.normal_stiffness * law.tangential_ratio)), V(law.tangential_damping)} {}
 };
 
 template <class V>

@@ -79,6 +79,9 @@ struct ContactPass {
   T* damping_loss = nullptr;  // J, summed over the run
   T* friction_loss = nullptr;
   T uniform_drag_area = 0;
+  bool equal = false;  // all particles have the mass and radius below
+  T uniform_mass = 1;
+  T uniform_radius = 0;
 
   std::int32_t step = 0;
   T dt = 0;

@@ -205,6 +205,9 @@ class Solver final : public ContactSolver {
   Array<T> damping_loss_;
   Array<T> friction_loss_;
   T uniform_drag_area_ = 0;
+  bool equal_ = false;  // of mass and radius
+  T uniform_mass_ = 1;
+  T uniform_radius_ = 0;
   bool has_drag_area_ = false;
   bool has_death_ = false;
 
@@ -262,6 +265,9 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
   has_drag_area_ = drag_area != nullptr;
   has_death_ = death != nullptr;
   uniform_drag_area_ = uniform(ParticleField::drag_area);
+  equal_ = mass == nullptr && radius == nullptr;
+  uniform_mass_ = uniform(ParticleField::mass);
+  uniform_radius_ = uniform(ParticleField::radius);
   for (auto& records : records_) {
     records.resize(rows_ + 1);
     records[rows_] = nowhere();
@@ -378,6 +384,9 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   whole.walls = walls_.now();
   whole.drag_area = has_drag_area_ ? drag_area_.data() : nullptr;
   whole.uniform_drag_area = uniform_drag_area_;
+  whole.equal = equal_;
+  whole.uniform_mass = uniform_mass_;
+  whole.uniform_radius = uniform_radius_;
   whole.death = watch_deaths && has_death_ ? death_.data() : nullptr;
   if (law().energy_budget) {
     whole.damping_loss = damping_loss_.data();
