@@ -21,6 +21,7 @@
 // sign bit for bit, and so does the force.
 #pragma once
 
+#include "kernels/impact.hpp"
 #include "kernels/math.hpp"
 #include "kernels/vec3.hpp"
 
@@ -132,6 +133,17 @@ template <class V>
 NormalForce<V> normal_force(const ContactSprings<V>& springs, V apart, V pull) {
   const V pressing = max(springs.elastic - springs.normal_damping * apart, V(0));
   return {pressing, pressing - pull};
+}
+
+/// The book's impulse between two spheres that approach, or a sphere and a wall: along the normal
+/// J = -(1 + e) m* v_n, across it what stops the slip of solid spheres, 2/7 m* v_t, at most mu J.
+/// N s.   [Bourg & Bywalec 5.2-5.4]
+template <class V>
+Vec3<V> approach_impulse(Vec3<V> normal, Vec3<V> slip, V apart, V mass, V restitution, V friction) {
+  const V along = normal_impulse(apart, restitution, V(1) / mass, V(0));
+  const V speed = norm(slip);
+  const V across = friction_impulse(along, friction, sticking_impulse_of_sphere(mass, speed));
+  return normal * along - slip * (across / select(speed > V(0), speed, V(1)));
 }
 
 /// The restitution of a head-on impact with damping ratio zeta >= 0.

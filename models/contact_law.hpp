@@ -27,9 +27,14 @@ struct ContactLaw {
   double surface_energy = 0;          ///< J/m^2; pull-off force 4 pi R* times it
   bool energy_budget = true;          ///< keep what each particle's contacts dissipate
 
-  /// Particles turn, and contacts remember their tangential displacement.
-  bool frictional() const { return friction > 0; }
-  bool rolls() const { return rolling_friction > 0; }
+  double push_out = 0.2;  ///< part of an overlap that a step of the impulse law takes back
+
+  /// Particles have spin.
+  bool turns() const { return friction > 0; }
+  /// Contacts remember their tangential displacement.
+  bool remembers() const { return turns() && kind != ContactLawKind::impulse; }
+  /// And their rolling displacement.
+  bool rolls() const { return remembers() && rolling_friction > 0; }
 };
 
 // Tagged with the instruction set, like everything that a kernel calls.

@@ -17,7 +17,9 @@
 
 namespace salvo::models {
 
-enum class ObstacleShape { plane, sphere, box, capsule, cylinder, height_field };
+enum class ObstacleShape { plane, sphere, box, capsule, cylinder, height_field, mesh };
+
+struct MeshFeatures;
 
 /// Heights over a regular grid in x and z: sample (i, j) stands at (x + i spacing, z + j spacing)
 /// and is `heights[j * columns + i]`, in m along +y. Each cell is two triangles that share the
@@ -69,9 +71,10 @@ struct Obstacle {
   double radius = 1;          // sphere, capsule, cylinder; m
   double half_length = 1;     // of a capsule's segment, of a cylinder; m
   Triple half_size{1, 1, 1};  // of a box along its own axes; m
-  /// Unit quaternion w, x, y, z that turns the axes of a box into those of the scene.
+  /// Unit quaternion w, x, y, z that turns the axes of a box or a mesh into those of the scene.
   std::array<double, 4> rotation{1, 0, 0, 0};
   std::shared_ptr<const HeightSamples> samples;  // height field
+  std::shared_ptr<const MeshFeatures> mesh;      // about its center; only of particles that touch
   double restitution = 0.5;
   double friction = 0;  // Coulomb coefficient
   /// Takes part in the impulse only: the obstacle stays where it is. The book's 100 kg obstacles

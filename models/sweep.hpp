@@ -70,6 +70,7 @@ Surface<V> solid_surface(const Obstacle& obstacle, Vec3<V> p) {
   switch (obstacle.shape) {
     case ObstacleShape::plane:
     case ObstacleShape::height_field:
+    case ObstacleShape::mesh:
       break;
     case ObstacleShape::sphere:
       return kernels::sphere_surface(p, V(obstacle.radius), {V(0), V(1), V(0)});
@@ -211,6 +212,7 @@ class Sweep {
         return obstacle.half_size[0] + obstacle.half_size[1] + obstacle.half_size[2];
       case ObstacleShape::plane:
       case ObstacleShape::height_field:
+      case ObstacleShape::mesh:
         break;
     }
     return std::numeric_limits<double>::infinity();

@@ -6,15 +6,19 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <system_error>
 #include <tuple>
 
 #include "kernels/math.hpp"
+#include "models/triangle_mesh.hpp"
 #include "scene/document.hpp"
+#include "scene/mesh_file.hpp"
 #include "scene/mistakes.hpp"
 #include "scene/scene_keys.hpp"
 #include "scene/sweep_keys.hpp"
@@ -113,7 +117,9 @@ class Completion {
     const TimeKeys& time = keys_.time;
     keys_.setup.t0 = time.start;
     if (!root_.find("time")) return;
-    if (keys_.setup.contact_law && given_of("time", "dt").empty()) return choose_step();
+    const auto& law = keys_.setup.contact_law;
+    const bool has_springs = law && law->kind != models::ContactLawKind::impulse;
+    if (has_springs && given_of("time", "dt").empty()) return choose_step();
     const bool stepped = one_of("time", "dt") && (time.dt || time.steps_per_second);
     const bool limited = one_of("time", "duration") && (time.duration || time.steps);
     if (stepped) keys_.setup.dt = time.dt ? *time.dt : 1 / *time.steps_per_second;
@@ -176,6 +182,9 @@ class Completion {
           fail(path + ".hollow", "\"hollow\" in [[obstacle]] needs particles that touch",
                "give a [contact_law]");
         }
+        if (keys_.obstacles[i].shape == ObstacleShape::mesh) {
+          fail(path + ".shape", "a mesh needs particles that touch", "give a [contact_law]");
+        }
         if (attempted(path, "motion")) {
           fail(path + ".motion", "[obstacle.motion] needs particles that touch",
                "give a [contact_law]");
@@ -208,7 +217,15 @@ class Completion {
              "particles that touch need a radius", "give radius in [[emitter]]");
       }
     }
-    if (timed_ && mistakes_.count() == 0) check_step();
+    for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+      const std::string path = fmt::format("obstacle.{}", i);
+      if (keys_.obstacles[i].friction == 0 || law.friction > 0) continue;
+      fail(path + ".friction", "\"friction\" in [[obstacle]] needs particles that turn",
+           "give a friction in [contact_law]");
+    }
+    if (timed_ && law.kind != models::ContactLawKind::impulse && mistakes_.count() == 0) {
+      check_step();
+    }
   }
 
   void check_step() {
@@ -295,9 +312,28 @@ class Completion {
       given.rotation = {cos(half).value(), sine * given.rotation_axis[0],
                         sine * given.rotation_axis[1], sine * given.rotation_axis[2]};
       if (given.shape == ObstacleShape::height_field) complete_heights(given, path);
+      if (given.shape == ObstacleShape::mesh) complete_mesh(given, path);
       if (mistakes_.count() == before) {
         keys_.setup.obstacles.push_back(models::normalized(static_cast<const Obstacle&>(given)));
       }
+    }
+  }
+
+  void complete_mesh(ObstacleKeys& given, const std::string& path) {
+    if (given.mesh_file.empty()) return;  // reported
+    const auto file = std::filesystem::path(keys_.path).parent_path() / given.mesh_file;
+    try {
+      models::TriangleMesh mesh = read_mesh(file.string());
+      const std::string bytes = read_scene_file(file.string());
+      keys_.inputs.push_back(solver::digest_of(bytes.data(), bytes.size()));
+      for (models::Triple& vertex : mesh.vertices) {
+        for (double& coordinate : vertex) coordinate *= given.scale;
+      }
+      given.mesh = std::make_shared<const models::MeshFeatures>(make_features(mesh));
+    } catch (const MeshError& error) {
+      fail(path + ".file", error.what(), error.hint());
+    } catch (const std::system_error& error) {
+      fail(path + ".file", error.what(), "the path is relative to the scene's file");
     }
   }
 
@@ -576,6 +612,7 @@ Scene parse(const std::string& text, const std::string& path,
   if (body.starts_with(mark)) body.remove_prefix(mark.size());
   Mistakes mistakes(path, body, overrides);
   SceneKeys keys;
+  keys.path = path;
   if (const std::optional<Value> root = read_document(body, overrides, rival_keys(), mistakes)) {
     Reader reader(scene_section(), mistakes);
     scene_section().read(reader, *root, keys);
@@ -583,7 +620,6 @@ Scene parse(const std::string& text, const std::string& path,
   }
   if (mistakes.count() != 0) throw SceneError(mistakes.texts());
   Scene scene = std::move(keys);
-  scene.path = path;
   scene.text = text;
   scene.overrides = overrides;
   return scene;

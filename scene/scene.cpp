@@ -18,6 +18,7 @@ solver::Digest scene_digest(const SceneText& scene) {
     bytes += fmt::format("\n{}\n", override_text.size());
     bytes += override_text;
   }
+  for (const solver::Digest& input : scene.inputs) bytes += "\n" + to_string(input);
   return solver::digest_of(bytes.data(), bytes.size());
 }
 

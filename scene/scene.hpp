@@ -36,6 +36,7 @@ struct SceneText {
   std::string text;                    ///< the file, byte for byte
   std::vector<std::string> overrides;  ///< the --set arguments, in order
   std::string title;
+  std::vector<solver::Digest> inputs;  ///< of the files that the scene names, in order
 };
 
 struct Scene : SceneText {

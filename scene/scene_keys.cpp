@@ -204,7 +204,9 @@ const Section<ContactLaw>& contact_law_section() {
                       {{"linear_spring", ContactLawKind::linear_spring,
                         "normal_stiffness times the overlap, and a dashpot"},
                        {"hertz_mindlin", ContactLawKind::hertz_mindlin,
-                        "elastic spheres of one material, and a dashpot"}})
+                        "elastic spheres of one material, and a dashpot"},
+                       {"impulse", ContactLawKind::impulse,
+                        "the book's impulse between all that overlap and approach; needs a dt"}})
                   .must(),
               of.key("normal_stiffness", "N/m", &ContactLaw::normal_stiffness,
                      "of the linear spring", positive)
@@ -223,16 +225,22 @@ const Section<ContactLaw>& contact_law_section() {
                      "of a head-on impact of two particles; an obstacle has its own",
                      between(0.01, 1)),
               of.key("tangential_damping", "", &ContactLaw::tangential_damping,
-                     "over the normal damping", between(0, 10)),
+                     "over the normal damping", between(0, 10))
+                  .only(linear | hertz),
               of.key("friction", "", &ContactLaw::friction,
                      "Coulomb coefficient between particles; with it they turn", not_negative),
               of.key("rolling_friction", "", &ContactLaw::rolling_friction,
                      "greatest rolling moment over the normal force and the effective radius",
-                     not_negative),
+                     not_negative)
+                  .only(linear | hertz),
               of.key("surface_energy", "J/m^2", &ContactLaw::surface_energy,
                      "cohesion: spheres that touch pull with 4 pi times this and the effective "
                      "radius",
-                     not_negative),
+                     not_negative)
+                  .only(linear | hertz),
+              of.key("push_out", "", &ContactLaw::push_out,
+                     "part of an overlap that a step takes back", between(0, 1))
+                  .only(kinds(ContactLawKind::impulse)),
               of.key("energy_budget", "", &ContactLaw::energy_budget,
                      "keep the heat that each particle's contacts make"),
           })
@@ -298,10 +306,17 @@ const Section<ObstacleKeys>& obstacle_section() {
                   .only(kinds(Shape::box))
                   .must(),
               of.key("rotation_axis", "", &ObstacleKeys::rotation_axis,
-                     "what the box is turned about, of any length")
-                  .only(kinds(Shape::box)),
+                     "what it is turned about, of any length")
+                  .only(kinds(Shape::box, Shape::mesh)),
               of.key("rotation_angle", "rad", &ObstacleKeys::rotation_angle, "by how much")
-                  .only(kinds(Shape::box)),
+                  .only(kinds(Shape::box, Shape::mesh)),
+              of.key("file", "", &ObstacleKeys::mesh_file,
+                     "of the mesh, OBJ or PLY, beside the scene; its origin is at the position")
+                  .only(kinds(Shape::mesh))
+                  .must(),
+              of.key("scale", "", &ObstacleKeys::scale, "of the numbers in the file, to metres",
+                     positive)
+                  .only(kinds(Shape::mesh)),
               of.key("spacing", "m", &ObstacleKeys::spacing, "between samples", positive)
                   .only(field)
                   .must(),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scene/keys.hpp"
@@ -33,6 +34,8 @@ struct ObstacleKeys : models::Obstacle {
   double spacing = 0;         // m
   std::optional<std::vector<std::vector<double>>> heights;
   std::optional<Hills> hills;
+  std::string mesh_file;
+  double scale = 1;
 };
 
 struct DomainKeys {

@@ -51,7 +51,9 @@ const Words& words_of<ObstacleShape>() {
       {"capsule", ObstacleShape::capsule, "all within `radius` of a segment"},
       {"cylinder", ObstacleShape::cylinder, "with flat ends"},
       {"height_field", ObstacleShape::height_field,
-       "heights along y on a grid in x and z; solid below"}};
+       "heights along y on a grid in x and z; solid below"},
+      {"mesh", ObstacleShape::mesh,
+       "triangles of a file, with two sides; of particles that touch"}};
   return words;
 }
 

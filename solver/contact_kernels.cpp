@@ -10,6 +10,7 @@
 #include "kernels/sphere_contact.hpp"
 #include "models/particle.hpp"
 #include "models/sweep.hpp"
+#include "models/triangle_mesh.hpp"
 #include "soa/column.hpp"
 #include "solver/contact_pass.hpp"
 
@@ -116,6 +117,8 @@ struct Sum {
   Vec3<V> torque{V(0), V(0), V(0)};
   V damping_loss{0};
   V slip_loss{0};
+  Vec3<V> shift{V(0), V(0), V(0)};  // of the position, besides the motion; impulse law
+  V approaches{0};
 };
 
 // Materials of a kind of partner.
@@ -124,9 +127,11 @@ struct Surfaces {
   V damping_ratio;
   V friction;
   V rolling_friction;
+  V restitution;
 };
 
-template <class Law, bool Friction, bool Rolling>
+// `Counting`: no step, but how many contacts of each row approach.
+template <class Law, bool Friction, bool Rolling, bool Counting = false>
 class Step {
  public:
   using V = typename Law::Lanes;
@@ -136,8 +141,10 @@ class Step {
   explicit Step(ContactPass<T>& pass)
       : pass_(pass),
         law_(*pass.law),
-        between_{V(pass.damping_ratio), V(pass.law->friction), V(pass.law->rolling_friction)},
+        between_{V(pass.damping_ratio), V(pass.law->friction), V(pass.law->rolling_friction),
+                 V(pass.law->restitution)},
         equal_pair_(pass.equal ? equal_pair(pass) : kernels::ContactPair<V>{}),
+        push_out_(pass.law->push_out),
         pull_(4 * kernels::pi * pass.law->surface_energy),
         cohesive_(pass.law->surface_energy != 0),
         budget_(pass.damping_loss != nullptr),
@@ -166,7 +173,7 @@ class Step {
       __builtin_prefetch(record->position);
       if (sizeof(T) == 8) __builtin_prefetch(record->velocity);
     }
-    if (!Friction) return;
+    if (!Friction || Law::impulsive) return;
     for (std::size_t slot = pass_.first_slot[group]; slot < pass_.first_slot[group + 1]; ++slot) {
       if (pass_.memory.touching[slot] == 0) continue;
       const T* line = pass_.memory.tangential + slot * 3 * group_rows;
@@ -183,9 +190,14 @@ class Step {
     load_place(pass_.from + row, consecutive, own);
     load_motion(pass_.from + row, consecutive, own);
     Sum<V> sum;
+    if constexpr (Law::impulsive && !Counting) own_approaches_ = V::load(pass_.approaches + row);
     meet_neighbors(own, pass_.first_slot[group], pass_.first_slot[group + 1], lane, sum);
     if (!pass_.walls.empty()) meet_walls(own, group, lane, sum);
-    move(own, row, sum);
+    if constexpr (Counting) {
+      sum.approaches.store(pass_.approaches + row);
+    } else {
+      move(own, row, sum);
+    }
   }
 
   // First who touches, for many slots in one go without a branch; then the contacts of the slots in
@@ -256,45 +268,68 @@ class Step {
       pair.damping = law_.damping(pair.mass, between_.damping_ratio);
     }
     if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * pair.radius;
-    add(contact, pair, between_, touching, memory, V(0.5), sum);
+    if constexpr (Law::impulsive) {
+      V others(1);
+      if constexpr (!Counting) others = V::gather(pass_.approaches, index);
+      strike(contact, pair, between_, touching, memory, others, own.mass, V(0.5), sum);
+    } else {
+      add(contact, pair, between_, touching, memory, V(0.5), sum);
+    }
   }
 
   void meet_walls(const SphereV& own, std::size_t group, std::size_t lane, Sum<V>& sum) {
     const std::uint64_t* first = pass_.first_wall_slot + group;
     for (std::size_t slot = first[0]; slot < first[1]; ++slot) {
-      meet_wall(own, pass_.walls[pass_.wall[slot]], slot, lane, sum);
+      const WallPart part = pass_.wall_parts[pass_.wall_part[slot]];
+      meet_wall(own, pass_.walls[part.wall], part.feature, slot, lane, sum);
     }
   }
 
-  [[gnu::noinline]] void meet_wall(const SphereV& own, const Wall& wall, std::size_t slot,
-                                   std::size_t lane, Sum<V>& sum) {
+  struct WallSurface {
+    V distance;  // of the center from the surface, m
+    Vec3<V> normal;
+    Mask owns;
+  };
+
+  // The surface of a wall as seen from its center.
+  static WallSurface wall_surface(const models::Obstacle& shape, std::size_t feature, Vec3<V> p,
+                                  V radius) {
+    const Mask always(true);
+    if (shape.shape == models::ObstacleShape::mesh) {
+      const std::array<double, 4>& q = shape.rotation;
+      const kernels::Quat<V> turn{V(q[0]), V(q[1]), V(q[2]), V(q[3])};
+      const auto own = feature_surface(*shape.mesh, feature, rotate(conjugate(turn), p));
+      return {own.distance, rotate(turn, own.normal), own.owns};
+    }
+    if (shape.shape == models::ObstacleShape::height_field) {
+      // It measures from the surface of the sphere.
+      const kernels::Surface<V> field = models::field_surface(*shape.samples, p, radius);
+      return {field.distance + radius, field.normal, always};
+    }
+    const kernels::Surface<V> solid = models::solid_surface(shape, p);
+    if (shape.hollow) return {-solid.distance, -solid.normal, always};
+    return {solid.distance, solid.normal, always};
+  }
+
+  [[gnu::noinline]] void meet_wall(const SphereV& own, const Wall& wall, std::size_t feature,
+                                   std::size_t slot, std::size_t lane, Sum<V>& sum) {
     const models::Triple& center = wall.shape.center;
-    const Vec3<V> near = models::broadcast<V>(center);
     const auto left_out = [](double number) {
       return V(number - static_cast<double>(static_cast<T>(number)));
     };
     const Vec3<V> p =
-        (own.position - near) +
+        (own.position - models::broadcast<V>(center)) +
         (own.residual - Vec3<V>{left_out(center[0]), left_out(center[1]), left_out(center[2])});
-    const bool field = wall.shape.shape == models::ObstacleShape::height_field;
-    const kernels::Surface<V> surface =
-        field ? models::field_surface(*wall.shape.samples, p, own.radius)
-              : models::solid_surface(wall.shape, p);
-    // A height field measures from the surface of the sphere.
-    V distance = field ? surface.distance + own.radius : surface.distance;
-    Vec3<V> normal = surface.normal;
-    if (wall.shape.hollow) {
-      distance = -distance;
-      normal = -normal;
-    }
-    const Mask touching = (distance < own.radius) & (own.radius > V(0));
+    const WallSurface surface = wall_surface(wall.shape, feature, p, own.radius);
+    const V distance = surface.distance;
+    const Mask touching = surface.owns & (distance < own.radius) & (own.radius > V(0));
     SlotMemory<V> memory(pass_.wall_memory, slot, lane);
     if (!any(touching)) {
       if (memory.touched()) forget(memory);
       return;
     }
     kernels::SphereContact<V> contact;
-    contact.normal = normal;
+    contact.normal = surface.normal;
     contact.overlap = max(own.radius - distance, V(0));
     contact.lever = distance;
     const Vec3<V> wall_velocity =
@@ -307,10 +342,14 @@ class Step {
       contact.rolling = cross(turning, contact.normal) * own.radius;
     }
     const Surfaces<V> surfaces{V(wall.damping_ratio), V(wall.shape.friction),
-                               between_.rolling_friction};
+                               between_.rolling_friction, V(wall.shape.restitution)};
     const kernels::ContactPair<V> pair{own.mass, own.radius,
                                        law_.damping(own.mass, surfaces.damping_ratio)};
-    add(contact, pair, surfaces, touching, memory, V(1), sum);
+    if constexpr (Law::impulsive) {
+      strike(contact, pair, surfaces, touching, memory, V(1), own.mass, V(1), sum);
+    } else {
+      add(contact, pair, surfaces, touching, memory, V(1), sum);
+    }
   }
 
   // `share`: the part of the losses that this sphere stands for.
@@ -353,6 +392,42 @@ class Step {
     }
   }
 
+  // The impulse law. Each impulse alone takes kinetic energy, and of those of a row and of its
+  // partner each counts as one of the larger number: what a row gets is a weighted mean of its
+  // impulses, and as kinetic energy is convex, all together never add any. Momentum stays, because
+  // both partners take the same weight.
+  void strike(const kernels::SphereContact<V>& contact, const kernels::ContactPair<V>& pair,
+              const Surfaces<V>& surfaces, Mask touching, SlotMemory<V>& memory, V others, V mass,
+              V share, Sum<V>& sum) {
+    const V apart = dot(contact.velocity, contact.normal);
+    const Mask strikes = touching & (apart < V(0));
+    if constexpr (Counting) {
+      sum.approaches = sum.approaches + select(strikes, V(1), V(0));
+    } else {
+      const Vec3<V> nothing{V(0), V(0), V(0)};
+      const Vec3<V> slip = contact.velocity - contact.normal * apart;
+      const V weight = V(1) / max(max(own_approaches_, others), V(1));
+      const Vec3<V> impulse = kernels::approach_impulse(contact.normal, slip, apart, pair.mass,
+                                                        surfaces.restitution, surfaces.friction) *
+                              weight;
+      sum.force += select(strikes, impulse * (V(1) / dt_), nothing);
+      if (Friction) {
+        const Vec3<V> torque = cross(contact.normal, impulse) * (-contact.lever / dt_);
+        sum.torque += select(strikes, torque, nothing);
+      }
+      // Overlaps are taken back little by little, the lighter of the two moving more.
+      const V back = push_out_ * contact.overlap * weight * (pair.mass / mass);
+      sum.shift += select(touching, contact.normal * back, nothing);
+      memory.set_touching(bits(touching));
+      if (budget_) {
+        // To first order in the impulse: what it takes, less what it gives.
+        const V heat =
+            -dot(impulse, contact.velocity) - V(0.5) * norm_squared(impulse) / (pair.mass * weight);
+        sum.damping_loss = sum.damping_loss + select(strikes, heat * share, V(0));
+      }
+    }
+  }
+
   // The same operations as for any two, on particles that are all alike.
   kernels::ContactPair<V> equal_pair(const ContactPass<T>& pass) const {
     const V mass(pass.uniform_mass);
@@ -364,7 +439,7 @@ class Step {
 
   void forget(SlotMemory<V>& memory) {
     const Vec3<V> nothing{V(0), V(0), V(0)};
-    if (Friction) memory.set_tangential(nothing);
+    if (Friction && !Law::impulsive) memory.set_tangential(nothing);
     if (Rolling) memory.set_rolling(nothing);
     memory.set_touching(0);
   }
@@ -382,7 +457,8 @@ class Step {
                               : forces_.acceleration(own.position, own.velocity, c, pass_.instants);
     SphereV next = own;
     next.velocity = own.velocity + (field + sum.force * c.inverse_mass) * dt_;
-    const Vec3<V> way = next.velocity * dt_;
+    Vec3<V> way = next.velocity * dt_;
+    if constexpr (Law::impulsive) way += sum.shift;
     if constexpr (sizeof(T) == 4) {
       const Vec3<V> gain = own.residual + way;
       next.position = own.position + gain;
@@ -449,6 +525,8 @@ class Step {
   const Law law_;
   const Surfaces<V> between_;
   const kernels::ContactPair<V> equal_pair_;
+  V own_approaches_{0};
+  const V push_out_;
   const V pull_;
   const bool cohesive_;
   const bool budget_;
@@ -462,6 +540,7 @@ class Step {
 template <class V>
 struct Linear : kernels::LinearSpring<V> {
   using Lanes = V;
+  static constexpr bool impulsive = false;
   explicit Linear(const models::ContactLaw& law)
       : kernels::LinearSpring<V>{
             V(law.normal_stiffness), V(law.normal_stiffness * law.tangential_ratio),
@@ -471,16 +550,25 @@ struct Linear : kernels::LinearSpring<V> {
 template <class V>
 struct Hertz : kernels::HertzMindlin<V> {
   using Lanes = V;
+  static constexpr bool impulsive = false;
   explicit Hertz(const models::ContactLaw& law)
       : kernels::HertzMindlin<V>{V(models::effective_young(law)), V(models::effective_shear(law)),
                                  V(law.tangential_damping)} {}
+};
+
+template <class V>
+struct Impulse {
+  using Lanes = V;
+  static constexpr bool impulsive = true;
+  explicit Impulse(const models::ContactLaw&) {}
+  V damping(V /*mass*/, V /*zeta*/) const { return V(0); }
 };
 
 template <class Law>
 void advance_law(ContactPass<typename Law::Lanes::Real>& pass) {
   if (pass.law->rolls()) {
     Step<Law, true, true>(pass).advance();
-  } else if (pass.law->frictional()) {
+  } else if (pass.law->turns()) {
     Step<Law, true, false>(pass).advance();
   } else {
     Step<Law, false, false>(pass).advance();
@@ -490,11 +578,22 @@ void advance_law(ContactPass<typename Law::Lanes::Real>& pass) {
 template <class T>
 void advance(ContactPass<T>& pass) {
   using V = kernels::NativeLane<T>;
-  if (pass.law->kind == models::ContactLawKind::hertz_mindlin) {
-    advance_law<Hertz<V>>(pass);
-  } else {
-    advance_law<Linear<V>>(pass);
+  switch (pass.law->kind) {
+    case models::ContactLawKind::linear_spring:
+      return advance_law<Linear<V>>(pass);
+    case models::ContactLawKind::hertz_mindlin:
+      return advance_law<Hertz<V>>(pass);
+    case models::ContactLawKind::impulse:
+      return pass.law->turns() ? Step<Impulse<V>, true, false>(pass).advance()
+                               : Step<Impulse<V>, false, false>(pass).advance();
   }
+}
+
+template <class T>
+void count(ContactPass<T>& pass) {
+  using V = kernels::NativeLane<T>;
+  pass.law->turns() ? Step<Impulse<V>, true, false, true>(pass).advance()
+                    : Step<Impulse<V>, false, false, true>(pass).advance();
 }
 
 // First of the rows of a range whose key is at least `key`.
@@ -604,7 +703,8 @@ void list_neighbors(ListPass& pass) { ListBuilder(pass).build(); }
 }  // namespace
 
 extern const ContactKernels contact_kernel_table;
-const ContactKernels contact_kernel_table{&list_neighbors, &advance<float>, &advance<double>};
+const ContactKernels contact_kernel_table{&list_neighbors, &advance<float>, &advance<double>,
+                                          &count<float>, &count<double>};
 
 }  // namespace SALVO_ISA
 }  // namespace salvo::solver

@@ -52,6 +52,12 @@ struct ContactMemory {
   T* rolling = nullptr;
 };
 
+/// What a sphere touches at one point: a wall, or one feature of a wall that is a mesh.
+struct WallPart {
+  std::uint32_t wall;
+  std::uint32_t feature;
+};
+
 /// An obstacle, or a smooth part of one, as it stands in this step.
 struct Wall {
   models::Obstacle shape;
@@ -70,14 +76,16 @@ struct ContactPass {
   const std::int32_t* neighbor = nullptr;     // rows, slot after slot of 16
   ContactMemory<T> memory;
   const std::uint64_t* first_wall_slot = nullptr;  // likewise
-  const std::uint32_t* wall = nullptr;             // one for all rows of a slot
+  const std::uint32_t* wall_part = nullptr;        // one for all rows of a slot
   ContactMemory<T> wall_memory;
   std::span<const Wall> walls;
+  std::span<const WallPart> wall_parts;
 
   const T* drag_area = nullptr;
   const std::int32_t* death = nullptr;
   T* damping_loss = nullptr;  // J, summed over the run
   T* friction_loss = nullptr;
+  T* approaches = nullptr;  // contacts of each row whose partners come nearer: the impulse law's
   T uniform_drag_area = 0;
   bool equal = false;  // all particles have the mass and radius below
   T uniform_mass = 1;
@@ -116,6 +124,9 @@ struct ContactKernels {
   void (*list_neighbors)(ListPass&);
   void (*advance_float32)(ContactPass<float>&);
   void (*advance_float64)(ContactPass<double>&);
+  /// Of the impulse law, before the step: fills `approaches`.
+  void (*count_float32)(ContactPass<float>&);
+  void (*count_float64)(ContactPass<double>&);
 };
 
 /// Throws std::invalid_argument when the binary lacks the instruction set.

@@ -94,7 +94,7 @@ struct Remembered {
 
   void resize_entries(std::size_t entries, const models::ContactLaw& law) {
     partner.resize(entries);
-    if (law.frictional()) tangential.resize(3 * entries);
+    if (law.remembers()) tangential.resize(3 * entries);
     if (law.rolls()) rolling.resize(3 * entries);
   }
   std::size_t resident_bytes() const {
@@ -117,7 +117,7 @@ struct Lists {
   void make_room(const models::ContactLaw& law) {
     touching.resize(slots());
     const std::size_t numbers = slots() * 3 * group_rows;
-    if (law.frictional()) tangential.resize(numbers);
+    if (law.remembers()) tangential.resize(numbers);
     if (law.rolls()) rolling.resize(numbers);
   }
   void clear_slot(std::size_t slot, const models::ContactLaw& law) {
@@ -125,7 +125,7 @@ struct Lists {
     const auto clear = [&](Array<T>& column) {
       std::fill_n(column.data() + slot * numbers, numbers, T(0));
     };
-    if (law.frictional()) clear(tangential);
+    if (law.remembers()) clear(tangential);
     if (law.rolls()) clear(rolling);
   }
   ContactMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
@@ -204,6 +204,7 @@ class Solver final : public ContactSolver {
   Array<std::int32_t> death_;
   Array<T> damping_loss_;
   Array<T> friction_loss_;
+  Array<T> approaches_;
   T uniform_drag_area_ = 0;
   bool equal_ = false;  // of mass and radius
   T uniform_mass_ = 1;
@@ -330,7 +331,7 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
     const std::uint32_t entry = next[row]++;
     r.partner[entry] = other;
     for (std::size_t c = 0; c < 3; ++c) {
-      if (law().frictional()) {
+      if (law().remembers()) {
         r.tangential[3 * entry + c] =
             sign * contacts.column<T>(index(ContactField::tangential_displacement), c)[pair];
       }
@@ -379,9 +380,10 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   whole.neighbor = neighbor_.data();
   whole.memory = near_.memory();
   whole.first_wall_slot = wall_lists_.first_slot.data();
-  whole.wall = wall_.data();
+  whole.wall_part = wall_.data();
   whole.wall_memory = wall_lists_.memory();
   whole.walls = walls_.now();
+  whole.wall_parts = walls_.parts();
   whole.drag_area = has_drag_area_ ? drag_area_.data() : nullptr;
   whole.uniform_drag_area = uniform_drag_area_;
   whole.equal = equal_;
@@ -403,10 +405,26 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   const std::size_t groups = rows_ / group_rows;
   const std::size_t tasks = tasks_of(groups, groups_per_task);
   results_.resize(tasks);
-  parallel_.for_each(tasks, [&](std::size_t task) {
+  const auto part = [&](std::size_t task) {
     ContactPass<T> pass = whole;
     pass.first_group = task * groups_per_task;
     pass.last_group = std::min(groups, pass.first_group + groups_per_task);
+    return pass;
+  };
+  if (law().kind == models::ContactLawKind::impulse) {
+    approaches_.resize(rows_ + group_rows);
+    whole.approaches = approaches_.data();
+    parallel_.for_each(tasks, [&](std::size_t task) {
+      ContactPass<T> pass = part(task);
+      if constexpr (sizeof(T) == 4) {
+        kernels_.count_float32(pass);
+      } else {
+        kernels_.count_float64(pass);
+      }
+    });
+  }
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    ContactPass<T> pass = part(task);
     if constexpr (sizeof(T) == 4) {
       kernels_.advance_float32(pass);
     } else {
@@ -675,11 +693,10 @@ void Solver<T>::lay_out_walls() {
         }
         bounds.add(at, static_cast<double>(record.radius));
       }
-      for (std::uint32_t w = 0; w < walls_.now().size() && !bounds.empty(); ++w) {
-        if (!walls_.may_reach(w, bounds, margin_)) continue;
-        found[task].push_back(w);
-        ++counts[group];
-      }
+      if (bounds.empty()) continue;
+      const std::size_t before = found[task].size();
+      walls_.near(bounds, margin_, found[task]);
+      counts[group] = static_cast<std::uint32_t>(found[task].size() - before);
     }
   });
   std::uint64_t slots = 0;
@@ -748,7 +765,7 @@ void Solver<T>::collect_row(std::size_t row, std::size_t entry) {
   const auto copy = [&](const Lists<T>& lists, std::size_t slot) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t from = (slot * 3 + c) * group_rows + lane;
-      if (law().frictional()) remembered_.tangential[3 * entry + c] = lists.tangential[from];
+      if (law().remembers()) remembered_.tangential[3 * entry + c] = lists.tangential[from];
       if (law().rolls()) remembered_.rolling[3 * entry + c] = lists.rolling[from];
     }
   };
@@ -801,7 +818,7 @@ void Solver<T>::recall(std::size_t row, std::size_t source) {
     lists.touching[at] = static_cast<std::uint16_t>(lists.touching[at] | 1U << lane);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t to = (at * 3 + c) * group_rows + lane;
-      if (law().frictional()) lists.tangential[to] = remembered_.tangential[3 * entry + c];
+      if (law().remembers()) lists.tangential[to] = remembered_.tangential[3 * entry + c];
       if (law().rolls()) lists.rolling[to] = remembered_.rolling[3 * entry + c];
     }
   };
@@ -857,7 +874,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
     }
   });
   contacts = empty_contacts(setup_);
-  if (law().frictional()) {
+  if (law().remembers()) {
     const auto listed = [&](std::size_t row, std::uint32_t partner) {
       return (partner & wall_flag) != 0 ||
              (partner > rank_[row] && records_[0][row_of[partner]].radius > 0);
@@ -922,7 +939,7 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
 }
 
 bool remembers_contacts(const Setup& setup) {
-  return setup.contact_law && setup.contact_law->frictional();
+  return setup.contact_law && setup.contact_law->remembers();
 }
 
 soa::Table empty_contacts(const Setup& setup) {

@@ -1,11 +1,13 @@
 #include "solver/walls.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "kernels/math.hpp"
 #include "kernels/quat.hpp"
 #include "kernels/sphere_contact.hpp"
 #include "models/sweep.hpp"
+#include "models/triangle_mesh.hpp"
 
 namespace salvo::solver {
 
@@ -32,6 +34,16 @@ double reach_of(const Obstacle& obstacle) {
       return obstacle.radius + obstacle.half_length;
     case ObstacleShape::box:
       return norm(vector(obstacle.half_size)).value();
+    case ObstacleShape::mesh: {
+      double farthest = 0;
+      for (const models::MeshBounds& bounds : obstacle.mesh->bounds) {
+        for (const Triple& corner : {bounds.lowest, bounds.highest}) {
+          for (const double coordinate : corner)
+            farthest = std::max(farthest, std::abs(coordinate));
+        }
+      }
+      return 2 * farthest;  // of the corners of the box about it: less than twice that
+    }
     case ObstacleShape::plane:
     case ObstacleShape::height_field:
       break;
@@ -50,6 +62,7 @@ bool turned_onto_itself(const Obstacle& obstacle) {
       return norm(cross(spin, vector(obstacle.axis))).value() == 0;
     case ObstacleShape::box:
     case ObstacleShape::height_field:
+    case ObstacleShape::mesh:
       break;
   }
   return norm(spin).value() == 0;
@@ -88,15 +101,23 @@ Walls::Walls(std::span<const Obstacle> obstacles) {
     add(obstacle);
     fastest_ = std::max(fastest_, fastest_of(obstacle));
   }
-  for (const Part& part : parts_) {
-    now_.push_back({part.shape, {}, {}, kernels::damping_ratio_of(part.shape.restitution)});
+  for (Plan& plan : plans_) {
+    const auto wall = static_cast<std::uint32_t>(now_.size());
+    plan.first_part = static_cast<std::uint32_t>(parts_.size());
+    const bool is_mesh = plan.shape.shape == ObstacleShape::mesh;
+    const std::size_t features = is_mesh ? plan.shape.mesh->size() : 1;
+    for (std::uint32_t feature = 0; feature < features; ++feature) {
+      parts_.push_back({wall, feature});
+    }
+    if (is_mesh) plan.grid = FeatureGrid(*plan.shape.mesh);
+    now_.push_back({plan.shape, {}, {}, kernels::damping_ratio_of(plan.shape.restitution)});
   }
 }
 
 void Walls::add(const Obstacle& obstacle) {
   if (!obstacle.hollow ||
       (obstacle.shape != ObstacleShape::box && obstacle.shape != ObstacleShape::cylinder)) {
-    parts_.push_back({obstacle, obstacle.center});
+    plans_.push_back({obstacle, obstacle.center, 0, {}});
     return;
   }
   const auto add_plane = [&](const Vec& outward, double distance) {
@@ -105,14 +126,14 @@ void Walls::add(const Obstacle& obstacle) {
     plane.hollow = false;
     plane.center = triple(vector(obstacle.center) + outward * S(distance));
     plane.axis = triple(-outward);
-    parts_.push_back({plane, obstacle.center});
+    plans_.push_back({plane, obstacle.center, 0, {}});
   };
   if (obstacle.shape == ObstacleShape::cylinder) {
     // A capsule whose round ends lie beyond the flat ones.
     Obstacle side = obstacle;
     side.shape = ObstacleShape::capsule;
     side.half_length += obstacle.radius;
-    parts_.push_back({side, obstacle.center});
+    plans_.push_back({side, obstacle.center, 0, {}});
     add_plane(vector(obstacle.axis), obstacle.half_length);
     add_plane(-vector(obstacle.axis), obstacle.half_length);
     return;
@@ -128,9 +149,9 @@ void Walls::add(const Obstacle& obstacle) {
 }
 
 void Walls::place(double time) {
-  for (std::size_t w = 0; w < parts_.size(); ++w) {
-    const Part& part = parts_[w];
-    const models::ObstacleMotion& motion = part.shape.motion;
+  for (std::size_t w = 0; w < plans_.size(); ++w) {
+    const Plan& plan = plans_[w];
+    const models::ObstacleMotion& motion = plan.shape.motion;
     if (motion == models::ObstacleMotion{}) continue;
     Wall& wall = now_[w];
     const S t(time);
@@ -144,21 +165,35 @@ void Walls::place(double time) {
       turn = {cos(half), axis.x * sine, axis.y * sine, axis.z * sine};
     }
     const S phase = S(2 * kernels::pi * motion.frequency) * t;
-    const Vec arm = rotate(turn, vector(part.shape.center) - vector(part.pivot));
+    const Vec arm = rotate(turn, vector(plan.shape.center) - vector(plan.pivot));
     const Vec shift = vector(motion.velocity) * t + vector(motion.amplitude) * sin(phase);
     const Vec swing =
         vector(motion.amplitude) * (S(2 * kernels::pi * motion.frequency) * cos(phase));
-    wall.shape.center = triple(vector(part.pivot) + shift + arm);
-    wall.shape.axis = triple(rotate(turn, vector(part.shape.axis)));
-    const Quat whole = turn * quaternion(part.shape.rotation);
+    wall.shape.center = triple(vector(plan.pivot) + shift + arm);
+    wall.shape.axis = triple(rotate(turn, vector(plan.shape.axis)));
+    const Quat whole = turn * quaternion(plan.shape.rotation);
     wall.shape.rotation = {whole.w.value(), whole.x.value(), whole.y.value(), whole.z.value()};
     wall.velocity = triple(vector(motion.velocity) + swing + cross(spin, arm));
     wall.angular_velocity = motion.angular_velocity;
   }
 }
 
-bool Walls::may_reach(std::size_t w, const Bounds& bounds, double margin) const {
-  const Obstacle& shape = now_[w].shape;
+void Walls::near(const Bounds& bounds, double margin, std::vector<std::uint32_t>& found) const {
+  for (std::size_t w = 0; w < now_.size(); ++w) {
+    const Obstacle& shape = now_[w].shape;
+    if (shape.shape == ObstacleShape::mesh) {
+      const Vec p = vector(bounds.center()) - vector(shape.center);
+      const std::size_t before = found.size();
+      plans_[w].grid.find(triple(rotate(conjugate(quaternion(shape.rotation)), p)),
+                          bounds.radius() + margin, found);
+      for (std::size_t i = before; i < found.size(); ++i) found[i] += plans_[w].first_part;
+    } else if (comes_near(shape, bounds, margin)) {
+      found.push_back(plans_[w].first_part);
+    }
+  }
+}
+
+bool Walls::comes_near(const Obstacle& shape, const Bounds& bounds, double margin) const {
   const Triple center = bounds.center();
   const double reach = bounds.radius() + margin;
   const Vec p = vector(center) - vector(shape.center);
@@ -172,6 +207,93 @@ bool Walls::may_reach(std::size_t w, const Bounds& bounds, double margin) const 
   // A distance changes by no more than the way.
   const double distance = models::solid_surface<S>(shape, p).distance.value();
   return (shape.hollow ? -distance : distance) <= reach;
+}
+
+FeatureGrid::FeatureGrid(const models::MeshFeatures& mesh) : mesh_(&mesh) {
+  constexpr double cells_along = 64;  // the longest edge of the box about the mesh
+  Triple highest = mesh.bounds.front().highest;
+  origin_ = mesh.bounds.front().lowest;
+  for (const models::MeshBounds& bounds : mesh.bounds) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      origin_[axis] = std::min(origin_[axis], bounds.lowest[axis]);
+      highest[axis] = std::max(highest[axis], bounds.highest[axis]);
+    }
+  }
+  double longest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    longest = std::max(longest, highest[axis] - origin_[axis]);
+  }
+  inverse_cell_ = cells_along / longest;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    counts_[axis] = 1 + static_cast<std::size_t>((highest[axis] - origin_[axis]) * inverse_cell_);
+  }
+  const auto for_each_cell = [&](const models::MeshBounds& bounds, const auto& visit) {
+    const auto low = cells_of(bounds.lowest);
+    const auto high = cells_of(bounds.highest);
+    for (std::size_t k = low[2]; k <= high[2]; ++k) {
+      for (std::size_t j = low[1]; j <= high[1]; ++j) {
+        for (std::size_t i = low[0]; i <= high[0]; ++i) {
+          visit((k * counts_[1] + j) * counts_[0] + i);
+        }
+      }
+    }
+  };
+  first_.assign(counts_[0] * counts_[1] * counts_[2] + 1, 0);
+  for (const models::MeshBounds& bounds : mesh.bounds) {
+    for_each_cell(bounds, [&](std::size_t cell) { ++first_[cell + 1]; });
+  }
+  for (std::size_t cell = 1; cell < first_.size(); ++cell) first_[cell] += first_[cell - 1];
+  feature_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t f = 0; f < mesh.bounds.size(); ++f) {
+    for_each_cell(mesh.bounds[f], [&](std::size_t cell) { feature_[next[cell]++] = f; });
+  }
+}
+
+std::array<std::size_t, 3> FeatureGrid::cells_of(const Triple& at) const {
+  std::array<std::size_t, 3> cells;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double number = (at[axis] - origin_[axis]) * inverse_cell_;
+    cells[axis] =
+        static_cast<std::size_t>(std::clamp(number, 0.0, static_cast<double>(counts_[axis] - 1)));
+  }
+  return cells;
+}
+
+void FeatureGrid::find(const Triple& center, double reach,
+                       std::vector<std::uint32_t>& found) const {
+  // Bounds, the frame's rotation and the point are rounded.
+  const double grown = reach * (1 + 1e-8) +
+                       1e-12 * (std::abs(center[0]) + std::abs(center[1]) + std::abs(center[2]));
+  Triple lowest = center;
+  Triple highest = center;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    lowest[axis] -= grown;
+    highest[axis] += grown;
+  }
+  const std::size_t before = found.size();
+  const auto low = cells_of(lowest);
+  const auto high = cells_of(highest);
+  for (std::size_t k = low[2]; k <= high[2]; ++k) {
+    for (std::size_t j = low[1]; j <= high[1]; ++j) {
+      for (std::size_t i = low[0]; i <= high[0]; ++i) {
+        const std::size_t cell = (k * counts_[1] + j) * counts_[0] + i;
+        for (std::size_t n = first_[cell]; n < first_[cell + 1]; ++n) {
+          const models::MeshBounds& bounds = mesh_->bounds[feature_[n]];
+          bool apart = false;
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            apart =
+                apart || bounds.lowest[axis] > highest[axis] || bounds.highest[axis] < lowest[axis];
+          }
+          if (!apart) found.push_back(feature_[n]);
+        }
+      }
+    }
+  }
+  // A feature is in every cell that its box meets.
+  const auto start = found.begin() + static_cast<std::ptrdiff_t>(before);
+  std::sort(start, found.end());  // exact-set: whole numbers
+  found.erase(std::unique(start, found.end()), found.end());
 }
 
 }  // namespace salvo::solver

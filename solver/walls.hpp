@@ -34,6 +34,27 @@ class Bounds {
   std::array<double, 3> highest_{-most, -most, -most};
 };
 
+/// Where the features of a mesh are: in the cells of a grid over it.
+class FeatureGrid {
+ public:
+  FeatureGrid() = default;
+  explicit FeatureGrid(const models::MeshFeatures& mesh);
+
+  /// Adds the features whose boxes come within the box of half edge `reach` about `center`, in the
+  /// mesh's own frame, ascending.
+  void find(const models::Triple& center, double reach, std::vector<std::uint32_t>& found) const;
+
+ private:
+  std::array<std::size_t, 3> cells_of(const models::Triple& at) const;
+
+  const models::MeshFeatures* mesh_ = nullptr;
+  models::Triple origin_{};
+  double inverse_cell_ = 0;
+  std::array<std::size_t, 3> counts_{};
+  std::vector<std::uint32_t> first_;    // of each cell, and their number
+  std::vector<std::uint32_t> feature_;  // cell after cell
+};
+
 class Walls {
  public:
   explicit Walls(std::span<const models::Obstacle> obstacles);
@@ -41,20 +62,25 @@ class Walls {
   /// Moves them to where they are at a time, s.
   void place(double time);
   std::span<const Wall> now() const { return now_; }
+  std::span<const WallPart> parts() const { return parts_; }
   /// An upper bound of their speed where they meet particles, m/s; zero when all stand.
   double fastest() const { return fastest_; }
-  /// Whether wall w comes within `margin` of the bounds; true when in doubt.
-  bool may_reach(std::size_t w, const Bounds& bounds, double margin) const;
+  /// Adds the parts that come within `margin` of the bounds, ascending; too many when in doubt.
+  void near(const Bounds& bounds, double margin, std::vector<std::uint32_t>& found) const;
 
  private:
-  struct Part {
+  struct Plan {
     models::Obstacle shape;  // at time 0
     models::Triple pivot;    // the obstacle's center then
+    std::uint32_t first_part = 0;
+    FeatureGrid grid;  // of a mesh
   };
   void add(const models::Obstacle& obstacle);
+  bool comes_near(const models::Obstacle& shape, const Bounds& bounds, double margin) const;
 
-  std::vector<Part> parts_;
+  std::vector<Plan> plans_;
   std::vector<Wall> now_;
+  std::vector<WallPart> parts_;
   double fastest_ = 0;
 };
 

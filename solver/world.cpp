@@ -117,7 +117,7 @@ std::vector<bool> World::stored_fields(const Setup& setup) {
   stored[index(ParticleField::death)] = !never(dies) || setup.on_bad == BadRowPolicy::remove;
   stored[index(ParticleField::group)] = !same([](const Emitter& e) { return e.group; });
   const models::ContactLaw* law = setup.contact_law ? &*setup.contact_law : nullptr;
-  stored[index(ParticleField::angular_velocity)] = law && law->frictional();
+  stored[index(ParticleField::angular_velocity)] = law && law->turns();
   stored[index(ParticleField::residual)] = law && setup.precision == soa::Precision::float32;
   stored[index(ParticleField::damping_loss)] = law && law->energy_budget;
   stored[index(ParticleField::friction_loss)] = law && law->energy_budget;

@@ -435,7 +435,7 @@ TEST(MeshFile, ThatCannotBeReadIsNamed) {
 
 // The shipped mesh: closed, facing outwards, of the volume of its 32-sided frustums.
 TEST(MeshFile, HourglassIsAClosedSolid) {
-  const TriangleMesh mesh = read_mesh(SALVO_SCENES "/hourglass.obj");
+  const TriangleMesh mesh = read_mesh(SALVO_SCENES "/contact/hourglass.obj");
   const models::MeshFeatures features = models::make_features(mesh);
   for (const models::MeshEdge& edge : features.edges) EXPECT_EQ(edge.side_count, 2u);
   // Caps, and the sides of five rings: the quadrilaterals are flat.
