@@ -9,7 +9,7 @@ json=
 min_time=0.5
 while [ $# -gt 0 ]; do
   case $1 in
-    --quick) min_time=0.05 ;;
+    --quick) min_time=0.05; export SALVO_BENCH_QUICK=1 ;;
     --json) json=${2:?--json needs a file}; shift ;;
     *) sed -n '2,4s/^# //p' "$0" >&2; exit 2 ;;
   esac
@@ -18,7 +18,7 @@ done
 
 {
   "$root/scripts/setup.sh" build bench
-  "$root/scripts/setup.sh" peers || echo "bench.sh: without SUNDIALS, which is compared with" >&2
+  "$root/scripts/setup.sh" peers || echo "bench.sh: without SUNDIALS and LAMMPS, which are compared with" >&2
   # Only a fresh build tree leaves the tests out: one that has them keeps them.
   [ -f "$build/build.ninja" ] || set -- -DSALVO_BUILD_TESTS=OFF
   cmake --preset release -S "$root" -DSALVO_BUILD_BENCHMARKS=ON "$@"

@@ -41,6 +41,7 @@ void register_baseline();
 void register_particles();
 void register_state_hash();
 void register_trajectories();
+void register_contact_peer();
 void register_recorded();
 
 }  // namespace salvo::bench

@@ -15,6 +15,9 @@ int main(int argc, char** argv) {
   register_particles();
   register_state_hash();
   register_trajectories();
+#ifdef SALVO_BENCH_LAMMPS
+  register_contact_peer();
+#endif
 #ifdef SALVO_BENCH_RECORDED
   register_recorded();
 #endif

@@ -10,8 +10,8 @@ build="cmake ninja-build g++ libxsimd-dev libsleef-dev libtbb-dev libxxhash-dev 
   libeigen3-dev librandom123-dev libhdf5-dev zlib1g-dev libcli11-dev nlohmann-json3-dev"
 bench="libbenchmark-dev libboost-dev python3"
 # What the benchmarks are compared with and no test needs: libsundials-dev brings over a hundred packages, MPI and PETSc among
-# them.
-peers="libsundials-dev"
+# them, and LAMMPS needs little more.
+peers="libsundials-dev liblammps-dev"
 test="libboost-dev libgtest-dev librapidcheck-dev libmpfr-dev clang-format-14 clang-tidy-14
   python3 python3-numpy python3-h5py python3-vtk9 python3-pandas python3-xarray python3-h5netcdf python3-netcdf4"
 clang="clang"
