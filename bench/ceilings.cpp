@@ -64,6 +64,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+bool quick() { return std::getenv("SALVO_BENCH_QUICK") != nullptr; }
+
 std::string name(soa::Precision precision) {
   return precision == soa::Precision::float32 ? "float" : "double";
 }

@@ -26,7 +26,7 @@ GranularLaw granular_law(double normal_stiffness, double restitution, double fri
   const double logarithm = std::log(restitution);
   const double damping =
       -2 * logarithm * std::sqrt(squared / (M_PI * M_PI + logarithm * logarithm));
-  return {normal_stiffness, normal_stiffness * 2 / 7, damping, damping / 2, friction, false};
+  return {normal_stiffness, normal_stiffness * 2 / 7, damping, damping / 2, friction, true};
 }
 
 double collision_time(const GranularLaw& law, double mass) {

@@ -35,7 +35,8 @@ struct GranularLaw {
 };
 
 /// The law whose damping gives two spheres of `mass` this restitution, with 2/7 of the normal
-/// stiffness and half of the normal damping across it, pulling where the dashpot does.
+/// stiffness and half of the normal damping across it; the dashpot never pulls, which raises the
+/// restitution a little.
 GranularLaw granular_law(double normal_stiffness, double restitution, double friction, double mass);
 
 /// How long two spheres of `mass` touch: half a period of their damped spring, s.

@@ -18,6 +18,9 @@ double median(std::vector<double> values);
 
 std::string name(soa::Precision precision);
 
+/// Whether bench.sh --quick runs us: smaller and fewer rounds where a round takes seconds.
+bool quick();
+
 /// A world of `rows` live particles in free flight: gravity, quadratic drag, uniform wind,
 /// semi-implicit Euler, masses and drag areas that differ. Kept between benchmarks, because drawing
 /// 2^24 particles takes longer than stepping them.
@@ -43,5 +46,6 @@ void register_state_hash();
 void register_trajectories();
 void register_contact_peer();
 void register_recorded();
+void register_contacts();
 
 }  // namespace salvo::bench

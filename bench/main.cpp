@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   register_particles();
   register_state_hash();
   register_trajectories();
+  register_contacts();
 #ifdef SALVO_BENCH_LAMMPS
   register_contact_peer();
 #endif

@@ -313,13 +313,11 @@ class Step {
 
   [[gnu::noinline]] void meet_wall(const SphereV& own, const Wall& wall, std::size_t feature,
                                    std::size_t slot, std::size_t lane, Sum<V>& sum) {
-    const models::Triple& center = wall.shape.center;
-    const auto left_out = [](double number) {
-      return V(number - static_cast<double>(static_cast<T>(number)));
-    };
+    // In float with what rounding the center leaves out.
+    const Vec3<V> rest =
+        sizeof(T) == 4 ? models::broadcast<V>(wall.center_rest) : Vec3<V>{V(0), V(0), V(0)};
     const Vec3<V> p =
-        (own.position - models::broadcast<V>(center)) +
-        (own.residual - Vec3<V>{left_out(center[0]), left_out(center[1]), left_out(center[2])});
+        (own.position - models::broadcast<V>(wall.shape.center)) + (own.residual - rest);
     const WallSurface surface = wall_surface(wall.shape, feature, p, own.radius);
     const V distance = surface.distance;
     const Mask touching = surface.owns & (distance < own.radius) & (own.radius > V(0));

@@ -64,6 +64,7 @@ struct Wall {
   models::Triple velocity{};          // of the shape's center, m/s
   models::Triple angular_velocity{};  // rad/s
   double damping_ratio = 0;
+  models::Triple center_rest{};  // of the center less the center as a float, m
 };
 
 template <class T>

@@ -24,6 +24,17 @@ Vec vector(const Triple& t) { return {S(t[0]), S(t[1]), S(t[2])}; }
 Triple triple(const Vec& v) { return {v.x.value(), v.y.value(), v.z.value()}; }
 Quat quaternion(const std::array<double, 4>& q) { return {S(q[0]), S(q[1]), S(q[2]), S(q[3])}; }
 
+// Of a number less the number as a float. Volatile, because gcc 12 takes (double)(float)x for x
+// where it vectorizes: n - (double)(float)n of two neighboring numbers becomes 0.
+double float_rest(double number) {
+  const volatile float rounded = static_cast<float>(number);
+  return number - static_cast<double>(rounded);
+}
+
+Triple float_rest(const Triple& t) {
+  return {float_rest(t[0]), float_rest(t[1]), float_rest(t[2])};
+}
+
 // How far from its center an obstacle reaches; a plane or a height field that turns, anywhere.
 double reach_of(const Obstacle& obstacle) {
   switch (obstacle.shape) {
@@ -110,7 +121,11 @@ Walls::Walls(std::span<const Obstacle> obstacles) {
       parts_.push_back({wall, feature});
     }
     if (is_mesh) plan.grid = FeatureGrid(*plan.shape.mesh);
-    now_.push_back({plan.shape, {}, {}, kernels::damping_ratio_of(plan.shape.restitution)});
+    now_.push_back({plan.shape,
+                    {},
+                    {},
+                    kernels::damping_ratio_of(plan.shape.restitution),
+                    float_rest(plan.shape.center)});
   }
 }
 
@@ -170,6 +185,7 @@ void Walls::place(double time) {
     const Vec swing =
         vector(motion.amplitude) * (S(2 * kernels::pi * motion.frequency) * cos(phase));
     wall.shape.center = triple(vector(plan.pivot) + shift + arm);
+    wall.center_rest = float_rest(wall.shape.center);
     wall.shape.axis = triple(rotate(turn, vector(plan.shape.axis)));
     const Quat whole = turn * quaternion(plan.shape.rotation);
     wall.shape.rotation = {whole.w.value(), whole.x.value(), whole.y.value(), whole.z.value()};
