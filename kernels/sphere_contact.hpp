@@ -96,16 +96,15 @@ struct HertzMindlin {
 /// A spring and a dashpot in the plane of contact that slip beyond a greatest force.
 template <class V>
 struct SlipSpring {
-  Vec3<V> before;  // displacement at the start of the step, in the plane, m
-  Vec3<V> after;   // and at its end, m
-  Vec3<V> force;   // N, along the displacement: what it does is the opposite
+  Vec3<V> after;  // the displacement at the end of the step, m
+  Vec3<V> force;  // N, along the displacement: what it does is the opposite
 
   /// The displacement is turned into the plane by projection. That shortens it by the cosine of the
   /// angle that the contact turned in the step.
   SlipSpring(Vec3<V> displacement, Vec3<V> normal, Vec3<V> velocity,
-             const ContactSprings<V>& springs, V greatest, V dt)
-      : before(displacement - normal * dot(displacement, normal)) {
-    const Vec3<V> stretched = before + velocity * dt;
+             const ContactSprings<V>& springs, V greatest, V dt) {
+    const Vec3<V> in_plane = displacement - normal * dot(displacement, normal);
+    const Vec3<V> stretched = in_plane + velocity * dt;
     const Vec3<V> drag = velocity * springs.tangential_damping;
     const Vec3<V> trial = stretched * springs.tangential + drag;
     const V squared = norm_squared(trial);
@@ -114,11 +113,9 @@ struct SlipSpring {
     force = trial * kept;
     after = select(slips, (force - drag) * springs.compliance, stretched);
   }
-  /// Heat of slip and dashpot in the step, J.
-  V loss(Vec3<V> velocity, const ContactSprings<V>& springs, V dt) const {
-    const V stored = V(0.5) * springs.tangential * (norm_squared(after) - norm_squared(before));
-    return dot(force, velocity) * dt - stored;
-  }
+  /// Work done against the force in the step, J. What the spring holds is given back, or lost when
+  /// the contact ends.
+  V work(Vec3<V> velocity, V dt) const { return dot(force, velocity) * dt; }
 };
 
 template <class V>

@@ -49,7 +49,8 @@ inline constexpr std::array<Field, 13> particle_fields{{
      unbounded},
     {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, 0,
      unbounded},
-    {"friction_loss", Scalar::real, 1, "J", "heat from slip in its contacts", 0, 0, unbounded},
+    {"friction_loss", Scalar::real, 1, "J", "work done against friction in its contacts", 0, 0,
+     unbounded},
 }};
 
 constexpr const Field& field(ParticleField which) {

@@ -371,13 +371,13 @@ class Step {
       memory.set_tangential(select(touching, sliding.after, nothing));
       force -= sliding.force;
       torque = cross(contact.normal, sliding.force) * contact.lever;
-      if (budget_) slip_loss = sliding.loss(slip, springs, dt_);
+      if (budget_) slip_loss = sliding.work(slip, dt_);
       if (Rolling) {
         const Spring rolling(touched ? memory.rolling() : nothing, contact.normal, contact.rolling,
                              springs, surfaces.rolling_friction * normal.pressing, dt_);
         memory.set_rolling(select(touching, rolling.after, nothing));
         torque -= cross(contact.normal, rolling.force) * pair.radius;
-        if (budget_) slip_loss = slip_loss + rolling.loss(contact.rolling, springs, dt_);
+        if (budget_) slip_loss = slip_loss + rolling.work(contact.rolling, dt_);
       }
     }
     memory.set_touching(bits(touching));

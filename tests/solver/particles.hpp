@@ -20,6 +20,10 @@ struct Particle {
   std::int32_t birth = 0;
   std::int32_t death = soa::never;
   std::uint32_t group = 0;
+  std::array<double, 3> angular_velocity{};
+  std::array<double, 3> residual{};
+  double damping_loss = 0;
+  double friction_loss = 0;
 };
 
 constexpr std::size_t at(soa::ParticleField field) { return static_cast<std::size_t>(field); }
@@ -41,10 +45,14 @@ Particle read_particle(const soa::Table& table, std::size_t row) {
   for (std::size_t c = 0; c < 3; ++c) {
     p.position[c] = real(ParticleField::position, c);
     p.velocity[c] = real(ParticleField::velocity, c);
+    p.angular_velocity[c] = real(ParticleField::angular_velocity, c);
+    p.residual[c] = real(ParticleField::residual, c);
   }
   p.mass = real(ParticleField::mass);
   p.radius = real(ParticleField::radius);
   p.drag_area = real(ParticleField::drag_area);
+  p.damping_loss = real(ParticleField::damping_loss);
+  p.friction_loss = real(ParticleField::friction_loss);
   p.birth = integer(ParticleField::birth, std::int32_t{});
   p.death = integer(ParticleField::death, std::int32_t{});
   p.group = integer(ParticleField::group, std::uint32_t{});
@@ -76,10 +84,14 @@ void write_particle(soa::Table& table, std::size_t row, const Particle& p) {
   for (std::size_t c = 0; c < 3; ++c) {
     set(ParticleField::position, static_cast<T>(p.position[c]), c);
     set(ParticleField::velocity, static_cast<T>(p.velocity[c]), c);
+    set(ParticleField::angular_velocity, static_cast<T>(p.angular_velocity[c]), c);
+    set(ParticleField::residual, static_cast<T>(p.residual[c]), c);
   }
   set(ParticleField::mass, static_cast<T>(p.mass));
   set(ParticleField::radius, static_cast<T>(p.radius));
   set(ParticleField::drag_area, static_cast<T>(p.drag_area));
+  set(ParticleField::damping_loss, static_cast<T>(p.damping_loss));
+  set(ParticleField::friction_loss, static_cast<T>(p.friction_loss));
   set(ParticleField::birth, p.birth);
   set(ParticleField::death, p.death);
   set(ParticleField::group, p.group);

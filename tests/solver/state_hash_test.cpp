@@ -70,6 +70,16 @@ void put_field(Bytes& bytes, soa::ParticleField field, const Particle& p) {
       return put(bytes, p.death);
     case F::group:
       return put(bytes, p.group);
+    case F::angular_velocity:
+      for (const double w : p.angular_velocity) put(bytes, static_cast<T>(w));
+      return;
+    case F::residual:
+      for (const double x : p.residual) put(bytes, static_cast<T>(x));
+      return;
+    case F::damping_loss:
+      return put(bytes, static_cast<T>(p.damping_loss));
+    case F::friction_loss:
+      return put(bytes, static_cast<T>(p.friction_loss));
   }
 }
 
@@ -115,6 +125,10 @@ std::vector<Particle> scattered_particles(std::size_t count) {
     p.birth = static_cast<std::int32_t>(i);
     p.death = static_cast<std::int32_t>(2 * i + 1);
     p.group = static_cast<std::uint32_t>(i % 5);
+    p.angular_velocity = {draw(), draw(), draw()};
+    p.residual = {draw(), draw(), draw()};
+    p.damping_loss = draw();
+    p.friction_loss = draw();
   }
   std::sort(particles.begin(), particles.end(),
             [](const Particle& a, const Particle& b) { return a.id < b.id; });
@@ -185,6 +199,10 @@ TEST(StateHash, SeesEveryFieldAndNamesIt) {
       [](Particle& p) { p.birth += 1; },
       [](Particle& p) { p.death += 1; },
       [](Particle& p) { p.group += 1; },
+      [](Particle& p) { p.angular_velocity[1] += 1e-9; },
+      [](Particle& p) { p.residual[2] += 1e-9; },
+      [](Particle& p) { p.damping_loss += 1e-9; },
+      [](Particle& p) { p.friction_loss += 1e-9; },
   };
   for (std::size_t f = 1; f < std::size(changes); ++f) {
     std::vector<Particle> changed = particles;
