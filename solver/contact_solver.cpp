@@ -366,13 +366,13 @@ template <class T>
 std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths, bool remove) {
   // A path is a sum of rounded lengths; a thousandth covers what it may be short of.
   constexpr double covered = 0.499;
+  walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
   if (!listed_ || longest_path_ + wall_path_ > covered * margin_ ||
       (tuning_.list_interval > 0 && list_age_ >= tuning_.list_interval)) {
     build_lists();
   }
   const Stopwatch watch(profile_.step_seconds);
   instant_coefficients(setup_.forces, setup_.seed, setup_.t0, setup_.dt, step, 1, instants_);
-  walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
   ContactPass<T> whole;
   whole.from = records_[0].data();
   whole.to = records_[1].data();

@@ -264,9 +264,14 @@ void emit_rows(const Emitter& emitter, std::uint64_t seed, std::int64_t step, do
       if (!sites.empty()) born.position += sites[i];
       const std::size_t row = first + i;
       table.ids()[row] = id;
-      store<T>(table, ParticleField::position, 0, row, born.position.x);
-      store<T>(table, ParticleField::position, 1, row, born.position.y);
-      store<T>(table, ParticleField::position, 2, row, born.position.z);
+      const double place[3] = {born.position.x, born.position.y, born.position.z};
+      for (std::size_t c = 0; c < 3; ++c) {
+        store<T>(table, ParticleField::position, c, row, place[c]);
+        if constexpr (sizeof(T) == 4) {
+          const auto held = static_cast<double>(rounded<T>(place[c], false));
+          store<T>(table, ParticleField::residual, c, row, place[c] - held);
+        }
+      }
       store<T>(table, ParticleField::velocity, 0, row, born.velocity.x, budget);
       store<T>(table, ParticleField::velocity, 1, row, born.velocity.y, budget);
       store<T>(table, ParticleField::velocity, 2, row, born.velocity.z, budget);

@@ -178,6 +178,7 @@ void World::execute_as(const Execution& execution) {
   const Execution& next = checked(execution);
   settle();
   execution_ = next;
+  in_contact_solver_ = false;
   contact_solver_.reset();
   parallel_ = std::make_unique<Parallel>(execution.threads);
   make_solver();

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "soa/contact_fields.hpp"
 #include "tests/physics/spheres.hpp"
 
 namespace salvo::tests {
