@@ -245,6 +245,32 @@ TEST(ContactWorld, WithoutTheContactsARunGoesOnDifferently) {
   EXPECT_NE(resumed.hash().total, whole.hash().total);
 }
 
+// Two spheres that are each other's reflection through the origin, spins and all, stay so bit for
+// bit: each finds the opposite of the other's force.
+TEST(ContactWorld, MirroredSpheresStayMirrored) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
+    for (ContactLaw law : {linear(1e4, 0.6, 0.3), hertz(1e7, 0.6, 0.3)}) {
+      law.rolling_friction = 0.1;
+      law.surface_energy = 0.2;
+      const double radius = 0.01;
+      solver::Setup setup = touching_setup(law, precision);
+      add_sphere(setup, {0.0093, 0.0031, -0.0015}, {-0.7, 0.2, 0.31}, radius, 0.01, {30, -7, 11});
+      add_sphere(setup, {-0.0093, -0.0031, 0.0015}, {0.7, -0.2, -0.31}, radius, 0.01, {30, -7, 11});
+      setup.dt = solver::contact_time(setup).step;
+      World world(setup, {});
+      for (std::int64_t step = 1; step < 1000; ++step) {
+        world.advance_to(step);
+        for (std::size_t c = 0; c < 3; ++c) {
+          ASSERT_EQ(position(world, 0)[c], -position(world, 1)[c]) << step;
+          ASSERT_EQ(velocity(world, 0)[c], -velocity(world, 1)[c]) << step;
+          ASSERT_EQ(spin(world, 0)[c], spin(world, 1)[c]) << step;
+        }
+      }
+      EXPECT_NE(spin(world, 0)[0], 30);
+    }
+  }
+}
+
 // Rolling friction needs the friction that makes a sphere roll; without it there is nothing to
 // hold.
 TEST(ContactWorld, RollingFrictionWithoutFrictionDoesNothing) {
