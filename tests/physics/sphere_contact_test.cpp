@@ -72,6 +72,48 @@ TEST(SphereContact, FloatFollowsDouble) {
   }
 }
 
+// A row of spheres with gaps between them that one sphere runs into, eight impacts in all.
+std::vector<double> speeds_of_row(const ContactLaw& law, double finer, Precision precision) {
+  solver::Setup setup = touching_setup(law, precision);
+  for (int k = 0; k < 6; ++k) {
+    add_sphere(setup, {0.0205 * k, 0, 0}, {k == 0 ? 2.0 : 0.0, 0, 0}, 0.01, 0.01 + 0.003 * (k % 3));
+  }
+  setup.dt = solver::contact_time(setup).step / finer;
+  World world(setup, {});
+  world.advance_to(steps_of(0.02, setup));
+  std::vector<double> speeds;
+  for (std::size_t row = 0; row < 6; ++row) speeds.push_back(velocity(world, row)[0]);
+  return speeds;
+}
+
+double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double greatest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    greatest = std::max(greatest, std::abs(a[i] - b[i]));
+  }
+  return greatest;
+}
+
+// Double shows the order of the step over a chain of impacts; float stays close to double at every
+// step, far below the error of the step itself.
+TEST(SphereContact, AChainOfImpactsConvergesAndFloatFollowsIt) {
+  for (const ContactLaw& law : {linear(2e4, 0.8), hertz(2e7, 0.8)}) {
+    const std::vector<double> exact = speeds_of_row(law, 256, Precision::float64);
+    double coarser = 0;
+    for (const double finer : {1.0, 4.0, 16.0}) {
+      const std::vector<double> twice = speeds_of_row(law, finer, Precision::float64);
+      const std::vector<double> single = speeds_of_row(law, finer, Precision::float32);
+      const double error = greatest_difference(twice, exact);
+      EXPECT_LT(greatest_difference(single, twice), 0.02 * error + 5e-6) << finer;
+      EXPECT_TRUE(coarser == 0 || error < coarser / 2.5)
+          << finer << ": " << coarser << ", " << error;
+      coarser = error;
+    }
+    EXPECT_LT(coarser, 2e-3);
+    EXPECT_GT(exact[5], 0.9);
+  }
+}
+
 TEST(SphereContact, DampingRatioAndRestitutionAreInverses) {
   for (const double e : {0.999, 0.7, 0.3, std::exp(-2.0), 0.1, 0.01}) {
     EXPECT_NEAR(kernels::restitution_of(kernels::damping_ratio_of(e)), e, 1e-12);

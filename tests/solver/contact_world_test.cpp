@@ -271,6 +271,27 @@ TEST(ContactWorld, MirroredSpheresStayMirrored) {
   }
 }
 
+// Particles at rest move no list to be built anew; the wall that comes for them does.
+TEST(ContactWorld, AWallThatComesIsMetByParticlesAtRest) {
+  const ContactLaw law = linear(1e4, 0.8, 0.3);
+  solver::Setup setup = touching_setup(law, Precision::float32);
+  Obstacle piston = ground(law);
+  piston.motion.velocity = {0, 2, 0};
+  setup.obstacles.push_back(piston);
+  setup.emitters.push_back(lattice({0, 0.1, 0}, {0.1, 0.1, 0.1}, 0.021, 0.01, 0.01));
+  setup.dt = solver::contact_time(setup).step;
+  // The lowest are touched after 0.05 m.
+  const auto last = static_cast<std::int64_t>(0.035 / setup.dt);
+  for (const ContactTuning tuning : {ContactTuning{}, ContactTuning{1e-3, 1, 0}}) {
+    World world(setup, execution(solver::widest_isa(), 2, tuning));
+    World anew(setup, reference);
+    world.advance_to(last);
+    anew.advance_to(last);
+    EXPECT_EQ(world.hash().total, anew.hash().total);
+    EXPECT_GT(velocity(world, 0)[1], 1);
+  }
+}
+
 // Rolling friction needs the friction that makes a sphere roll; without it there is nothing to
 // hold.
 TEST(ContactWorld, RollingFrictionWithoutFrictionDoesNothing) {
