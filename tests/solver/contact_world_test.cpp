@@ -21,7 +21,7 @@ using solver::Spread;
 // A dense packing of different sizes in a box, shaken and stirred. More falls on it, a jet is
 // blown in whose grains live for a short time, and what rises too high is removed.
 solver::Setup stirred(ContactLaw law, Precision precision) {
-  law.rolling_friction = law.frictional() ? 0.1 : 0;
+  law.rolling_friction = law.remembers() ? 0.1 : 0;
   solver::Setup setup = touching_setup(law, precision);
   setup.seed = 77;
   setup.t0 = 100.25;                    // the walls have moved by then
@@ -165,7 +165,7 @@ TEST(ContactWorld, IsTestedOnPackingsThatTouchStirDieAndGo) {
     }
     EXPECT_GT(touching, 1000U) << packing.name;
     EXPECT_GT(world.contact_profile()->list_builds, 3U);
-    if (!packing.setup.contact_law->frictional()) continue;
+    if (!packing.setup.contact_law->remembers()) continue;
     const soa::Table& contacts = world.contacts();
     const auto* partner =
         contacts.column<std::uint64_t>(static_cast<std::size_t>(soa::ContactField::partner));
