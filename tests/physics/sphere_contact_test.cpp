@@ -276,6 +276,65 @@ TEST(SphereContact, WithoutRollingFrictionASphereRollsDownAnySlope) {
   EXPECT_NEAR(velocity(world, 0)[0], 5.0 / 7 * gravity[0], 1e-3);
 }
 
+// ---- walls that move --------------------------------------------------------------------------
+
+// A belt brings a sphere at rest to roll on it: friction at the point of contact gives it 2/7 of
+// the belt's speed.
+TEST(SphereContact, ABeltTakesASphereAlongAtTwoSevenths) {
+  solver::Setup setup = sphere_on_ground(linear(1e5, 0.5, 0.3), {0, -9.81, 0});
+  setup.obstacles[0].motion.velocity = {1, 0, 0};
+  World world(setup, {});
+  world.advance_to(steps_of(0.5, setup));
+  EXPECT_NEAR(velocity(world, 0)[0], 2.0 / 7, 1e-3);
+  EXPECT_NEAR(spin(world, 0)[2], 5.0 / 7 / radius, 0.1);
+}
+
+// A sphere that rolls on a turntable goes round in a circle, at 2/7 of the table's rate wherever it
+// is: after half a turn it has come back, a diameter aside.   [Weckesser, Am. J. Phys. 65, 736
+// (1997)]
+TEST(SphereContact, ASphereOnATurntableCirclesAtTwoSevenths) {
+  const double rate = 10;
+  const double speed = 0.1;
+  solver::Setup setup = sphere_on_ground(linear(1e6, 0.5, 0.8), {0, -9.81, 0});
+  setup.obstacles[0].motion.angular_velocity = {0, rate, 0};
+  Emitter& ball = setup.emitters[0];
+  ball.position[0] = 0.1;
+  ball.velocity = {0, 0, speed};
+  // Its point of contact goes with the table: w = y x (v - rate y x r)/R.
+  ball.angular_velocity = {(speed + rate * 0.1) / radius, 0, 0};
+  World world(setup, {});
+  const double turn = 2.0 / 7 * rate;
+  world.advance_to(steps_of(std::numbers::pi / turn, setup));
+  EXPECT_NEAR(velocity(world, 0)[2], -speed, 0.02 * speed);
+  EXPECT_NEAR(velocity(world, 0)[0], 0, 0.02 * speed);
+  EXPECT_NEAR(position(world, 0)[0], 0.1 + 2 * speed / turn, 0.02 * speed / turn);
+  EXPECT_NEAR(position(world, 0)[2], 0, 0.02 * speed / turn);
+}
+
+// When two spheres roll over each other the plane of contact turns, and the spring with it: it
+// stays in the plane, as long as it was.
+TEST(SphereContact, TheSpringTurnsWithThePlaneOfContact) {
+  using D = kernels::ScalarLane<double>;
+  using Vec = kernels::Vec3<D>;
+  const Vec displacement{D(3e-6), D(-1e-6), D(2e-6)};
+  const double length = norm(displacement).value();
+  const Vec still{D(0), D(0), D(0)};
+  for (const Vec& direction :
+       {Vec{D(1), D(1), D(1)}, Vec{D(0), D(1), D(0)}, Vec{D(-2), D(1), D(3)}}) {
+    const Vec normal = direction * (D(1) / norm(direction));
+    const auto slip =
+        kernels::slip_spring(displacement, normal, still, D(1e4), D(3), D(1), D(1e-5));
+    EXPECT_NEAR(dot(slip.force, normal).value(), 0, 1e-12 * 1e4 * length);
+    EXPECT_NEAR(norm(slip.force).value(), 1e4 * length, 1e-12 * 1e4 * length);
+    EXPECT_LT(dot(slip.force, displacement).value(), 0);
+    EXPECT_NEAR(norm(slip.displacement).value(), length, 1e-12 * length);
+  }
+  // A spring along the normal has no direction in the plane.
+  const Vec normal = displacement * (D(1) / norm(displacement));
+  const auto slip = kernels::slip_spring(displacement, normal, still, D(1e4), D(3), D(1), D(1e-5));
+  EXPECT_TRUE(std::isfinite(norm(slip.force).value()));
+}
+
 // ---- cohesion -----------------------------------------------------------------------------------
 
 // Spheres that stick come apart at the force 4 pi R* gamma, whatever the elastic law: R* is R at a
