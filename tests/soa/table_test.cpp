@@ -192,15 +192,17 @@ TEST(Table, UniformFieldsTakeNoBytesAndKeepOneValue) {
 }
 
 TEST(Table, CountsTheBytesOfItsColumns) {
-  Table single(soa::particle_fields, Precision::float32, std::vector<bool>(9, true));
-  Table twice(soa::particle_fields, Precision::float64, std::vector<bool>(9, true));
+  Table single(soa::particle_fields, Precision::float32,
+               std::vector<bool>(soa::particle_fields.size(), true));
+  Table twice(soa::particle_fields, Precision::float64,
+              std::vector<bool>(soa::particle_fields.size(), true));
   EXPECT_EQ(single.resident_bytes(), 0U);
   single.reserve(4097);
   twice.reserve(4097);
-  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 9 * 4 + 3 * 4));
-  EXPECT_EQ(twice.resident_bytes(), 4160U * (8 + 9 * 8 + 3 * 4));
+  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 17 * 4 + 3 * 4));
+  EXPECT_EQ(twice.resident_bytes(), 4160U * (8 + 17 * 8 + 3 * 4));
   single.append(4097);
-  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 9 * 4 + 3 * 4));  // reserved is enough
+  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 17 * 4 + 3 * 4));  // reserved is enough
 }
 
 TEST(Table, KeepsColumnsWhereTheyAreWithinTheReserve) {
