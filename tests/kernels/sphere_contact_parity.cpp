@@ -51,7 +51,8 @@ void contact(const Run<T>& run) {
         put(law.elastic_energy(overlap, radius));
       }
     };
-    both_sides(kernels::LinearSpring<V>{stiffness, stiffness * V(0.3), V(1) / (stiffness * V(0.3)), V(0.5)});
+    both_sides(kernels::LinearSpring<V>{stiffness, stiffness * V(0.3), V(1) / (stiffness * V(0.3)),
+                                        V(0.5)});
     both_sides(kernels::HertzMindlin<V>{stiffness, stiffness * V(0.7), V(0.5)});
   }
 }

@@ -197,6 +197,8 @@ double gap(const Obstacle& o, const Triple& position, double radius) {
       if (p[0] < 0 || p[2] < 0 || p[0] > width || p[2] > depth) return 1;
       return p[1] - radius - ground_height(*o.samples, p[0], p[2]);
     }
+    case ObstacleShape::mesh:
+      break;  // only of particles that touch
   }
   return 0;
 }
