@@ -56,6 +56,11 @@ FrameInfo info_of(hid_t file) {
   }
 
   const Handle diagnostics = hdf5::open_group(salvo, "diagnostics");
+  const std::vector<std::string> reported = hdf5::attribute_names(diagnostics);
+  if (std::binary_search(reported.begin(), reported.end(),
+                         std::string(solver::first_contact_field))) {
+    info.diagnostics.contacts.emplace();
+  }
   for_each_field(info.diagnostics, [&](std::string_view field, std::string_view, auto& member) {
     const std::string name(field);
     using Member = std::remove_reference_t<decltype(member)>;

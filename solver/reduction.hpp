@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "models/force_settings.hpp"
 #include "soa/table.hpp"
+#include "solver/contact_diagnostics.hpp"
 #include "solver/parallel.hpp"
 
 namespace salvo::solver {
@@ -27,9 +29,10 @@ struct Diagnostics {
   std::array<double, 3> center_of_mass{};  // m; NaN without mass
   double kinetic_energy = 0;               // J
   double potential_energy = 0;  // J, of uniform and point gravity; zero at the origin, at infinity
-  std::array<double, 3> lowest{};   // m
-  std::array<double, 3> highest{};  // m
-  double max_speed = 0;             // m/s
+  std::array<double, 3> lowest{};                // m
+  std::array<double, 3> highest{};               // m
+  double max_speed = 0;                          // m/s
+  std::optional<ContactDiagnostics> contacts{};  // of particles that touch
 };
 
 /// The table must be sorted by id.

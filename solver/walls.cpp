@@ -109,7 +109,10 @@ double Bounds::radius() const {
 
 Walls::Walls(std::span<const Obstacle> obstacles) {
   for (const Obstacle& obstacle : obstacles) {
+    const std::size_t before = plans_.size();
     add(obstacle);
+    const auto number = static_cast<std::size_t>(&obstacle - obstacles.data());
+    for (std::size_t p = before; p < plans_.size(); ++p) plans_[p].obstacle = number;
     fastest_ = std::max(fastest_, fastest_of(obstacle));
   }
   for (Plan& plan : plans_) {

@@ -63,6 +63,8 @@ class Walls {
   void place(double time);
   std::span<const Wall> now() const { return now_; }
   std::span<const WallPart> parts() const { return parts_; }
+  /// Which of the scene's obstacles a part belongs to.
+  std::size_t obstacle(std::uint32_t part) const { return plans_[parts_[part].wall].obstacle; }
   /// An upper bound of their speed where they meet particles, m/s; zero when all stand.
   double fastest() const { return fastest_; }
   /// Adds the parts that come within `margin` of the bounds, ascending; too many when in doubt.
@@ -74,6 +76,7 @@ class Walls {
     models::Triple pivot;    // the obstacle's center then
     std::uint32_t first_part = 0;
     FeatureGrid grid;  // of a mesh
+    std::size_t obstacle = 0;
   };
   void add(const models::Obstacle& obstacle);
   bool comes_near(const models::Obstacle& shape, const Bounds& bounds, double margin) const;

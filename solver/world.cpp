@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "models/particle.hpp"
+#include "solver/contact_survey.hpp"
 #include "solver/floating_point_environment.hpp"
 #include "solver/instants.hpp"
 #include "solver/tile.hpp"
@@ -489,7 +490,12 @@ void World::remove_dead() {
 
 Diagnostics World::diagnose() const {
   const FloatingPointEnvironment environment;
-  return solver::diagnose(particles(), setup_.forces, *parallel_);
+  Diagnostics diagnostics = solver::diagnose(particles(), setup_.forces, *parallel_);
+  if (setup_.contact_law) {
+    diagnostics.contacts =
+        diagnose_contacts(setup_, time(), particles(), contacts(), execution_.isa, *parallel_);
+  }
+  return diagnostics;
 }
 
 StateHash World::hash() const {

@@ -1,0 +1,448 @@
+#include "solver/contact_survey.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "kernels/sphere_contact.hpp"
+#include "models/sweep.hpp"
+#include "models/triangle_mesh.hpp"
+#include "soa/contact_fields.hpp"
+#include "soa/particle_fields.hpp"
+#include "solver/cell_grid.hpp"
+#include "solver/contact_pass.hpp"
+#include "solver/reduction.hpp"
+#include "solver/walls.hpp"
+#include "solver/world.hpp"
+
+namespace salvo::solver {
+
+namespace {
+
+using soa::ContactField;
+using soa::ParticleField;
+using S = kernels::ScalarLane<double>;
+using Vec = kernels::Vec3<S>;
+
+constexpr std::size_t rows_per_task = 4096;
+// Rows of neighboring cells that look for walls together.
+constexpr std::size_t rows_per_look = 16;
+
+std::size_t tasks_of(std::size_t rows) { return (rows + rows_per_task - 1) / rows_per_task; }
+
+template <class Field>
+constexpr std::size_t index(Field field) {
+  return static_cast<std::size_t>(field);
+}
+
+double root(double x) { return sqrt(S(x)).value(); }
+
+// A column as numbers of double precision; a uniform value where there is none.
+class Values {
+ public:
+  Values(const soa::Table& table, std::size_t field, std::size_t component = 0)
+      : uniform_(table.uniform(field)) {
+    if (!table.stored(field)) return;
+    if (table.precision() == soa::Precision::float32) {
+      single_ = table.column<float>(field, component);
+    } else {
+      twice_ = table.column<double>(field, component);
+    }
+  }
+  double operator[](std::size_t row) const {
+    return twice_ ? twice_[row] : single_ ? static_cast<double>(single_[row]) : uniform_;
+  }
+
+ private:
+  const float* single_ = nullptr;
+  const double* twice_ = nullptr;
+  double uniform_;
+};
+
+struct Vectors {
+  Values x, y, z;
+  Vectors(const soa::Table& table, std::size_t field)
+      : x(table, field, 0), y(table, field, 1), z(table, field, 2) {}
+  double squared(std::size_t row) const {
+    return x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
+  }
+};
+
+// Where the particles are, as exactly as it is known.
+class Places {
+ public:
+  explicit Places(const soa::Table& table)
+      : position_(table, index(ParticleField::position)),
+        residual_(table, index(ParticleField::residual)),
+        radius_(table, index(ParticleField::radius)) {}
+  std::array<double, 3> center(std::size_t row) const {
+    return {position_.x[row] + residual_.x[row], position_.y[row] + residual_.y[row],
+            position_.z[row] + residual_.z[row]};
+  }
+  double radius(std::size_t row) const { return radius_[row]; }
+  /// Positive where two particles overlap, m.
+  double overlap(std::size_t a, std::size_t b) const {
+    const auto p = center(a);
+    const auto q = center(b);
+    const double x = p[0] - q[0];
+    const double y = p[1] - q[1];
+    const double z = p[2] - q[2];
+    return radius(a) + radius(b) - root(x * x + y * y + z * z);
+  }
+
+ private:
+  Vectors position_;
+  Vectors residual_;
+  Values radius_;
+};
+
+// Positive where a particle overlaps a part of a wall, m.
+double wall_overlap(const Walls& walls, std::uint32_t number, const std::array<double, 3>& center,
+                    double radius) {
+  const WallPart part = walls.parts()[number];
+  const models::Obstacle& shape = walls.now()[part.wall].shape;
+  const Vec p{S(center[0] - shape.center[0]), S(center[1] - shape.center[1]),
+              S(center[2] - shape.center[2])};
+  if (shape.shape == models::ObstacleShape::mesh) {
+    const std::array<double, 4>& q = shape.rotation;
+    const kernels::Quat<S> turn{S(q[0]), S(q[1]), S(q[2]), S(q[3])};
+    const auto at = feature_surface(*shape.mesh, part.feature, rotate(conjugate(turn), p));
+    return any(at.owns) ? radius - at.distance.value() : -1;
+  }
+  if (shape.shape == models::ObstacleShape::height_field) {
+    return -models::field_surface(*shape.samples, p, S(radius)).distance.value();
+  }
+  const double distance = models::solid_surface(shape, p).distance.value();
+  return radius - (shape.hollow ? -distance : distance);
+}
+
+// What a particle overlaps.
+struct Overlap {
+  std::uint32_t partner;  // row, or part of a wall
+  bool wall;
+  double depth;  // m
+};
+
+// Finds the overlaps of all rows.
+class Search {
+ public:
+  Search(const soa::Table& particles, const Walls& walls, Isa isa, const Parallel& parallel)
+      : places_(particles),
+        ids_(particles.ids()),
+        walls_(walls),
+        kernels_(contact_kernels(isa)),
+        parallel_(parallel),
+        rows_(particles.rows()) {
+    for (auto& column : columns_) column.resize(rows_ + room_of_a_pack);
+    fill([](std::size_t i) { return i; });
+    grid_.build(search_columns(), rows_, 0, 1, parallel_);
+    fill([&](std::size_t i) { return grid_.order()[i]; });
+  }
+
+  /// Calls visit(task, row, overlaps) for every row: particles by ascending id, then walls by
+  /// ascending part. Tasks run beside each other.
+  template <class Visit>
+  void for_each_row(const Visit& visit) const {
+    parallel_.for_each(tasks(), [&](std::size_t task) {
+      std::vector<std::uint32_t> near(64);
+      std::vector<std::uint32_t> near_walls;
+      std::vector<Overlap> overlaps;
+      const std::size_t last = std::min(rows_, (task + 1) * rows_per_task);
+      for (std::size_t first = task * rows_per_task; first < last; first += rows_per_look) {
+        const std::size_t end = std::min(last, first + rows_per_look);
+        std::array<std::uint32_t, rows_per_look> counts;
+        list(first, end, near, counts.data());
+        Bounds bounds;
+        for (std::size_t i = first; i < end; ++i) {
+          bounds.add({columns_[0][i], columns_[1][i], columns_[2][i]}, columns_[3][i]);
+        }
+        near_walls.clear();
+        walls_.near(bounds, 0, near_walls);
+        const std::uint32_t* from = near.data();
+        for (std::size_t i = first; i < end; ++i) {
+          const std::size_t row = grid_.order()[i];
+          overlaps.clear();
+          for (const std::uint32_t* to = from + counts[i - first]; from < to; ++from) {
+            const std::uint32_t other = grid_.order()[*from];
+            const double depth = places_.overlap(row, other);
+            if (depth > 0) overlaps.push_back({other, false, depth});
+          }
+          std::sort(overlaps.begin(), overlaps.end(),  // exact-set: ids are unique
+                    [&](const Overlap& a, const Overlap& b) {
+                      return ids_[a.partner] < ids_[b.partner];
+                    });
+          for (const std::uint32_t part : near_walls) {
+            const double depth =
+                wall_overlap(walls_, part, places_.center(row), places_.radius(row));
+            if (depth > 0) overlaps.push_back({part, true, depth});
+          }
+          visit(task, row, std::span<const Overlap>(overlaps));
+        }
+      }
+    });
+  }
+  std::size_t tasks() const { return tasks_of(rows_); }
+
+ private:
+  static constexpr std::size_t room_of_a_pack = 16;
+
+  template <class RowAt>
+  void fill(const RowAt& row_at) {
+    parallel_.for_each(tasks(), [&](std::size_t task) {
+      const std::size_t last = std::min(rows_, (task + 1) * rows_per_task);
+      for (std::size_t i = task * rows_per_task; i < last; ++i) {
+        const std::size_t row = row_at(i);
+        const auto center = places_.center(row);
+        for (std::size_t c = 0; c < 3; ++c) columns_[c][i] = center[c];
+        columns_[3][i] = places_.radius(row);
+      }
+    });
+  }
+  SearchColumns search_columns() const {
+    return {columns_[0].data(), columns_[1].data(), columns_[2].data(), columns_[3].data()};
+  }
+  void list(std::size_t first, std::size_t last, std::vector<std::uint32_t>& near,
+            std::uint32_t* counts) const {
+    ListPass pass;
+    pass.first_row = first;
+    pass.last_row = last;
+    pass.index = grid_.index();
+    pass.columns = search_columns();
+    pass.owner = &near;
+    pass.grow = [](void* owner, std::size_t entries) {
+      auto& list = *static_cast<std::vector<std::uint32_t>*>(owner);
+      if (list.size() < entries) list.resize(entries);
+      return list.data();
+    };
+    pass.counts = counts;
+    kernels_.list_neighbors(pass);
+  }
+
+  const Places places_;
+  const soa::Id* ids_;
+  const Walls& walls_;
+  const ContactKernels& kernels_;
+  const Parallel& parallel_;
+  const std::size_t rows_;
+  std::array<std::vector<double>, 4> columns_;
+  CellGrid grid_;
+};
+
+// The springs of a law in double precision.
+class Springs {
+ public:
+  explicit Springs(const models::ContactLaw& law) : law_(law) {}
+
+  /// Of the normal spring and the pull, J.
+  double energy(double overlap, double radius) const {
+    double stored = 0;
+    switch (law_.kind) {
+      case models::ContactLawKind::linear_spring:
+        stored = 0.5 * law_.normal_stiffness * overlap * overlap;
+        break;
+      case models::ContactLawKind::hertz_mindlin:
+        stored = kernels::HertzMindlin<S>{S(models::effective_young(law_)), S(0), S(0)}
+                     .elastic_energy(S(overlap), S(radius))
+                     .value();
+        break;
+      case models::ContactLawKind::impulse:
+        return 0;
+    }
+    return stored - 4 * kernels::pi * law_.surface_energy * radius * overlap;
+  }
+  /// N/m
+  double tangential_stiffness(double overlap, double radius) const {
+    if (law_.kind == models::ContactLawKind::linear_spring) {
+      return law_.normal_stiffness * law_.tangential_ratio;
+    }
+    return 8 * models::effective_shear(law_) * root(radius * overlap);
+  }
+
+ private:
+  const models::ContactLaw& law_;
+};
+
+// The radius R* that a law takes for a pair.
+double effective_radius(double a, double b) { return a * b / (a + b); }
+
+struct Extremes {
+  std::uint64_t pairs = 0;
+  std::uint64_t walls = 0;
+  double overlap = 0;
+  double relative = 0;
+};
+
+Walls walls_at(const Setup& setup, double time) {
+  Walls walls(setup.obstacles);
+  walls.place(time);
+  return walls;
+}
+
+// Half of a spring's stretch squared, times its stiffness, of each contact that has a memory.
+double tangential_energy(const models::ContactLaw& law, const Walls& walls,
+                         const soa::Table& particles, const soa::Table& contacts,
+                         const Parallel& parallel) {
+  if (!law.remembers() || contacts.rows() == 0) return 0;
+  const Places places(particles);
+  const Springs springs(law);
+  const Vectors slip(contacts, index(ContactField::tangential_displacement));
+  const Vectors roll(contacts, index(ContactField::rolling_displacement));
+  const soa::Id* ids = particles.ids();
+  const auto row_of = [&](soa::Id id) {
+    return static_cast<std::size_t>(std::lower_bound(ids, ids + particles.rows(), id) - ids);
+  };
+  const auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
+  std::vector<double> energy(contacts.rows());
+  parallel.for_each(tasks_of(contacts.rows()), [&](std::size_t task) {
+    const std::size_t last = std::min(contacts.rows(), (task + 1) * rows_per_task);
+    for (std::size_t c = task * rows_per_task; c < last; ++c) {
+      const std::size_t row = row_of(contacts.ids()[c]);
+      double radius = places.radius(row);
+      double depth = 0;
+      if (soa::stream_of(partners[c]) == soa::max_stream) {
+        const auto part = static_cast<std::uint32_t>(soa::serial_of(partners[c]));
+        depth = wall_overlap(walls, part, places.center(row), radius);
+      } else {
+        const std::size_t other = row_of(partners[c]);
+        depth = places.overlap(row, other);
+        radius = effective_radius(radius, places.radius(other));
+      }
+      // What has come apart in the last step has no springs any more.
+      if (!(depth > 0)) continue;
+      double squared = slip.squared(c);
+      if (law.rolls()) squared += roll.squared(c);
+      energy[c] = 0.5 * springs.tangential_stiffness(depth, radius) * squared;
+    }
+  });
+  return fixed_order_sum(energy);
+}
+
+}  // namespace
+
+ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa::Table& particles,
+                                     const soa::Table& contacts, Isa isa,
+                                     const Parallel& parallel) {
+  const models::ContactLaw& law = *setup.contact_law;
+  const std::size_t rows = particles.rows();
+  const Walls walls = walls_at(setup, time);
+  const Places places(particles);
+  const Springs springs(law);
+  ContactDiagnostics d;
+  std::vector<double> sums(rows);
+  {
+    std::vector<double> relative(rows);
+    std::vector<double> elastic(rows);
+    Extremes all;
+    {
+      const Search search(particles, walls, isa, parallel);
+      std::vector<Extremes> extremes(search.tasks());
+      search.for_each_row(
+          [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+            Extremes& most = extremes[task];
+            for (const Overlap& overlap : overlaps) {
+              // The lower id speaks for a pair; rows are in the order of the ids.
+              if (!overlap.wall && overlap.partner < row) continue;
+              const double own = places.radius(row);
+              const double other = overlap.wall ? own : places.radius(overlap.partner);
+              const double share = overlap.depth / std::min(own, other);
+              ++(overlap.wall ? most.walls : most.pairs);
+              most.overlap = std::max(most.overlap, overlap.depth);
+              most.relative = std::max(most.relative, share);
+              sums[row] += overlap.depth;
+              relative[row] += share;
+              elastic[row] +=
+                  springs.energy(overlap.depth, overlap.wall ? own : effective_radius(own, other));
+            }
+          });
+      for (const Extremes& most : extremes) {
+        all.pairs += most.pairs;
+        all.walls += most.walls;
+        all.overlap = std::max(all.overlap, most.overlap);
+        all.relative = std::max(all.relative, most.relative);
+      }
+    }
+    d.pair_contacts = all.pairs;
+    d.wall_contacts = all.walls;
+    d.max_overlap = all.overlap;
+    d.max_relative_overlap = all.relative;
+    const std::uint64_t contacts_found = all.pairs + all.walls;
+    if (rows > 0) {
+      d.mean_coordination = 2 * static_cast<double>(all.pairs) / static_cast<double>(rows);
+    }
+    if (contacts_found > 0) {
+      d.mean_overlap = fixed_order_sum(sums) / static_cast<double>(contacts_found);
+      d.mean_relative_overlap = fixed_order_sum(relative) / static_cast<double>(contacts_found);
+    }
+    d.elastic_energy = fixed_order_sum(elastic);
+  }
+  d.tangential_spring_energy = tangential_energy(law, walls, particles, contacts, parallel);
+
+  const auto sum_of = [&](const auto& value) {
+    for (std::size_t row = 0; row < rows; ++row) sums[row] = value(row);
+    return fixed_order_sum(sums);
+  };
+  if (law.turns()) {
+    const Values mass(particles, index(ParticleField::mass));
+    const Vectors spin(particles, index(ParticleField::angular_velocity));
+    d.rotational_energy = sum_of([&](std::size_t row) {
+      const double radius = places.radius(row);
+      return 0.2 * mass[row] * radius * radius * spin.squared(row);
+    });
+  }
+  const auto loss = [&](ParticleField field) {
+    if (!law.energy_budget) return std::numeric_limits<double>::quiet_NaN();
+    const Values losses(particles, index(field));
+    return sum_of([&](std::size_t row) { return losses[row]; });
+  };
+  d.damping_loss = loss(ParticleField::damping_loss);
+  d.friction_loss = loss(ParticleField::friction_loss);
+  return d;
+}
+
+BirthOverlaps find_birth_overlaps(const Setup& setup, double time, const soa::Table& particles,
+                                  std::size_t first_row, double tolerance, Isa isa,
+                                  const Parallel& parallel) {
+  const Walls walls = walls_at(setup, time);
+  const Places places(particles);
+  const soa::Id* ids = particles.ids();
+  const Search search(particles, walls, isa, parallel);
+  std::vector<BirthOverlaps> found(search.tasks());
+  const auto place = [](const BirthOverlaps& o) {
+    return std::pair(o.particle, o.obstacle ? soa::obstacle_partner(*o.obstacle) : o.partner);
+  };
+  const auto keep_worse = [&](BirthOverlaps& kept, const BirthOverlaps& other) {
+    const std::uint64_t pairs = kept.pairs + other.pairs;
+    // Of equals the first by id, whoever found it.
+    if (other.pairs > 0 && (kept.pairs == 0 || other.worst > kept.worst ||
+                            (other.worst == kept.worst && place(other) < place(kept)))) {
+      kept = other;
+    }
+    kept.pairs = pairs;
+  };
+  search.for_each_row([&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+    for (const Overlap& overlap : overlaps) {
+      const double own = places.radius(row);
+      if (overlap.wall) {
+        const double share = overlap.depth / own;
+        if (row < first_row || share <= tolerance) continue;
+        keep_worse(found[task], {1, share, ids[row], 0, walls.obstacle(overlap.partner)});
+      } else {
+        const double share = overlap.depth / std::min(own, places.radius(overlap.partner));
+        if (std::max<std::size_t>(row, overlap.partner) < first_row || share <= tolerance ||
+            ids[overlap.partner] < ids[row]) {
+          continue;
+        }
+        keep_worse(found[task], {1, share, ids[row], ids[overlap.partner], std::nullopt});
+      }
+    }
+  });
+  BirthOverlaps all;
+  for (const BirthOverlaps& part : found) keep_worse(all, part);
+  return all;
+}
+
+}  // namespace salvo::solver
