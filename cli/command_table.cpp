@@ -51,6 +51,7 @@ std::span<const CommandEntry> commands() {
          "one row of a sweep, alone, with the bits that it has among the others"},
         {"--shard", "", "I/N",
          "the I-th of N equal shares of a sweep's rows; salvo merge joins them"},
+        {"--profile", "", "", "say at the end where the time went; for scenes of particles"},
         set,
         isa,
         threads,

@@ -14,6 +14,7 @@
 #include "scene/scene_keys.hpp"
 #include "scene/sweep_keys.hpp"
 #include "scene/words.hpp"
+#include "solver/contact_time.hpp"
 
 namespace salvo::cli {
 
@@ -107,6 +108,71 @@ Json emitter_document(const Emitter& emitter, const Setup& setup) {
           {"time", emitter.time}};
 }
 
+constexpr std::string_view name_of(models::ContactLawKind kind) {
+  switch (kind) {
+    case models::ContactLawKind::linear_spring:
+      return "linear_spring";
+    case models::ContactLawKind::hertz_mindlin:
+      return "hertz_mindlin";
+    case models::ContactLawKind::impulse:
+      break;
+  }
+  return "impulse";
+}
+
+std::string law_text(const models::ContactLaw& law) {
+  std::string text(name_of(law.kind));
+  if (law.kind == models::ContactLawKind::linear_spring) {
+    text += fmt::format(", {:g} N/m", law.normal_stiffness);
+  } else if (law.kind == models::ContactLawKind::hertz_mindlin) {
+    text += fmt::format(", {:g} Pa, Poisson {:g}", law.young_modulus, law.poisson_ratio);
+  }
+  text += fmt::format(", restitution {:g}", law.restitution);
+  if (law.friction > 0) text += fmt::format(", friction {:g}", law.friction);
+  if (law.rolling_friction > 0) text += fmt::format(", rolling {:g}", law.rolling_friction);
+  if (law.surface_energy > 0) text += fmt::format(", cohesion {:g} J/m^2", law.surface_energy);
+  return text;
+}
+
+// How the step follows the contacts; empty where they last no time.
+std::string step_text(const scene::Scene& scene) {
+  const models::ContactLaw& law = *scene.setup.contact_law;
+  if (law.kind == models::ContactLawKind::impulse) return "given; an impulse takes no time";
+  const solver::ContactTime time = solver::contact_time(scene.setup);
+  const std::string contact =
+      law.kind == models::ContactLawKind::hertz_mindlin
+          ? fmt::format("the {:.3g} s that a wave takes through the smallest sphere", time.duration)
+          : fmt::format("the shortest impact, {:.3g} s, of two of the lightest spheres",
+                        time.duration);
+  const std::string parts = fmt::format("1/{:.3g} of {}", time.duration / scene.setup.dt, contact);
+  return scene.step_chosen ? fmt::format("chosen: {}", parts)
+                           : fmt::format("given: {}; {:.3g} s would be chosen", parts, time.step);
+}
+
+Json law_document(const scene::Scene& scene) {
+  if (!scene.setup.contact_law) return nullptr;
+  const models::ContactLaw& law = *scene.setup.contact_law;
+  Json document = {{"kind", name_of(law.kind)},
+                   {"restitution", law.restitution},
+                   {"friction", law.friction},
+                   {"rolling_friction", law.rolling_friction},
+                   {"surface_energy", law.surface_energy},
+                   {"step_chosen", scene.step_chosen}};
+  if (law.kind == models::ContactLawKind::linear_spring) {
+    document["normal_stiffness"] = law.normal_stiffness;
+  } else if (law.kind == models::ContactLawKind::hertz_mindlin) {
+    document["young_modulus"] = law.young_modulus;
+    document["poisson_ratio"] = law.poisson_ratio;
+  }
+  if (law.kind != models::ContactLawKind::impulse) {
+    const solver::ContactTime time = solver::contact_time(scene.setup);
+    document["shortest_contact"] = time.duration;
+    document["best_dt"] = time.step;
+    document["longest_dt"] = time.longest_step;
+  }
+  return document;
+}
+
 void describe_scene(const scene::Scene& scene, const Options& options) {
   const Setup& setup = scene.setup;
   const std::uint64_t particles = solver::World::total_emitted(setup);
@@ -131,6 +197,7 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
                 {"integrator", integrator},
                 {"forces", forces_of(setup.forces)},
                 {"obstacles", obstacles},
+                {"contact_law", law_document(scene)},
                 {"emitters", emitters},
                 {"particles", particles},
                 {"dt", setup.dt},
@@ -164,9 +231,11 @@ void describe_scene(const scene::Scene& scene, const Options& options) {
   print(line("forces", forces.empty() ? "none" : fmt::format("{}", fmt::join(forces, ", "))));
   print(line("obstacles",
              obstacles.empty() ? "none" : fmt::format("{}", fmt::join(obstacles, ", "))));
+  if (setup.contact_law) print(line("contacts", law_text(*setup.contact_law)));
   print(line("time", fmt::format("{:g} s to {:g} s, {} of {:g} s, {}", setup.t0, end,
                                  counted(static_cast<std::uint64_t>(scene.steps), "step"), setup.dt,
                                  integrator)));
+  if (setup.contact_law) print(line("", "dt is " + step_text(scene)));
   print(line(
       "frames",
       fmt::format("{}, one every {}, {} each: {}{}", grouped(frames),

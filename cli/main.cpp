@@ -81,6 +81,8 @@ ExitStatus guarded(int argc, char** argv) {
     return invalid(json, error);
   } catch (const solver::NumericalError& error) {
     return failed(json, ExitStatus::numerical, error.what());
+  } catch (const solver::OverlapAtBirth& error) {
+    return failed(json, ExitStatus::scene_invalid, error.what(), error.hint());
   } catch (const recording::StateMismatch& error) {
     return failed(json, ExitStatus::run_failed, error.what());
   } catch (const recording::RecordingError& error) {

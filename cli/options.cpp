@@ -377,6 +377,7 @@ Options parse(int argc, const char* const* argv) {
   options.quiet = found.has("--quiet");
   options.full = found.has("--full");
   options.keys = found.has("--keys");
+  options.profile = found.has("--profile");
   check_info(options);
   return options;
 }

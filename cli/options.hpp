@@ -33,8 +33,9 @@ struct Options {
   bool force = false;
   bool json = false;
   bool quiet = false;
-  bool full = false;  ///< verify the scene at its own size
-  bool keys = false;  ///< list the keys of a scene
+  bool full = false;     ///< verify the scene at its own size
+  bool profile = false;  ///< say where the time of a run went
+  bool keys = false;     ///< list the keys of a scene
   recording::ExportFormat format = recording::ExportFormat::csv;
   std::optional<std::int64_t> frame;
   std::optional<std::uint64_t> index;                            ///< of one row of a sweep

@@ -12,6 +12,7 @@
 #include "cli/json.hpp"
 #include "cli/memory.hpp"
 #include "cli/progress.hpp"
+#include "cli/run_profile.hpp"
 #include "cli/scene_input.hpp"
 #include "cli/stepper.hpp"
 #include "cli/sweep_verbs.hpp"
@@ -55,6 +56,10 @@ class RecordedRun {
     } catch (const solver::NumericalError& error) {
       outcome = {RunStatus::failed, ExitStatus::numerical, error.what(), error.row(), false};
       finish_after(outcome);
+    } catch (const solver::OverlapAtBirth& error) {
+      outcome = {RunStatus::failed, ExitStatus::scene_invalid,
+                 fmt::format("{}; {}", error.what(), error.hint()), std::nullopt, false};
+      finish_after(outcome);
     } catch (const recording::OutputError& error) {
       outcome = {RunStatus::failed, ExitStatus::input_output, error.what(), std::nullopt,
                  error.no_room()};
@@ -75,6 +80,10 @@ class RecordedRun {
       print_result();
     }
     flush_output();
+    if (options_.profile && !options_.json) {
+      say(profile_text(
+          {stepping_seconds_, recording_seconds_, recorder_->counters().seconds_waited, *world_}));
+    }
     say_ending(outcome);
     return outcome.exit;
   }
@@ -123,7 +132,9 @@ class RecordedRun {
     Stepper stepper(*world_, [&] { show_progress(); });
     record_due();
     while (world_->step() < scene_.steps) {
+      const double start = progress_.seconds();
       stepper.advance_to(recorder_->next_due(world_->step()));
+      stepping_seconds_ += progress_.seconds() - start;
       record_due();
       if (interrupted() && world_->step() < scene_.steps) {
         recorder_->checkpoint(*world_);
@@ -135,7 +146,9 @@ class RecordedRun {
   }
 
   void record_due() {
+    const double start = progress_.seconds();
     recorder_->record_due(*world_);
+    recording_seconds_ += progress_.seconds() - start;
     if (world_->step() % scene_.frames.every == 0) {
       frames_.push_back({world_->step() / scene_.frames.every, recorder_->last()});
     }
@@ -255,6 +268,10 @@ class RecordedRun {
       document["error"] = {{"message", outcome.problem}};
       if (outcome.bad_row) document["error"].update(json_of(*outcome.bad_row));
     }
+    if (options_.profile) {
+      document["profile"] = profile_document(
+          {stepping_seconds_, recording_seconds_, counters.seconds_waited, *world_});
+    }
     document["frames"] = Json::array();
     for (const FrameLine& line : frames_) {
       Json frame = {{"frame", line.frame},
@@ -280,6 +297,8 @@ class RecordedRun {
   std::optional<std::int64_t> resumed_from_;
   std::vector<FrameLine> frames_;
   double seconds_ = 0;
+  double stepping_seconds_ = 0;
+  double recording_seconds_ = 0;
 };
 
 std::filesystem::path default_directory(const scene::Scene& scene) {

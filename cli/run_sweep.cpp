@@ -308,6 +308,10 @@ ExitStatus run_index(const Options& options, const scene::SweepScene& scene) {
 }  // namespace
 
 ExitStatus run_sweep(const Options& options, const scene::SweepScene& scene) {
+  if (options.profile) {
+    throw UsageError("--profile is for scenes of particles",
+                     fmt::format("{} is one of trajectories", scene.path));
+  }
   if (options.index) return run_index(options, scene);
   catch_interruptions();
   const std::filesystem::path directory =

@@ -26,6 +26,7 @@ struct ContactLaw {
   double rolling_friction = 0;        ///< greatest rolling moment over R* and the normal force
   double surface_energy = 0;          ///< J/m^2; pull-off force 4 pi R* times it
   bool energy_budget = true;          ///< keep what each particle's contacts dissipate
+  bool relax = false;                 ///< move apart particles that are emitted into others
 
   double push_out = 0.2;  ///< part of an overlap that a step of the impulse law takes back
 

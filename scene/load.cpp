@@ -153,6 +153,7 @@ class Completion {
     for (const ObstacleKeys& obstacle : keys_.obstacles) setup.obstacles.push_back(obstacle);
     const double step = solver::contact_time(setup).step;
     if (!(step > 0) || !(step < std::numeric_limits<double>::max())) return;  // reported
+    keys_.step_chosen = true;
     if (time.steps) {
       keys_.setup.dt = step;
       keys_.steps = *time.steps;
@@ -223,6 +224,8 @@ class Completion {
       fail(path + ".friction", "\"friction\" in [[obstacle]] needs particles that turn",
            "give a friction in [contact_law]");
     }
+    // The impulse law takes overlaps back without adding energy; springs let go of what they hold.
+    if (law.kind != models::ContactLawKind::impulse) keys_.setup.birth_tolerance = 0.01;
     if (timed_ && law.kind != models::ContactLawKind::impulse && mistakes_.count() == 0) {
       check_step();
     }

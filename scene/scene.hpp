@@ -41,7 +41,8 @@ struct SceneText {
 
 struct Scene : SceneText {
   solver::Setup setup;
-  std::int64_t steps = 0;  ///< the last step; frames are multiples of frames.every up to it
+  bool step_chosen = false;  ///< dt follows from the contacts, and was not given
+  std::int64_t steps = 0;    ///< the last step; frames are multiples of frames.every up to it
   FrameSettings frames;
   CheckpointSettings checkpoint;
   VerifySettings verify;

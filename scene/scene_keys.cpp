@@ -243,6 +243,10 @@ const Section<ContactLaw>& contact_law_section() {
                   .only(kinds(ContactLawKind::impulse)),
               of.key("energy_budget", "", &ContactLaw::energy_budget,
                      "keep the heat that each particle's contacts make"),
+              of.key("relax", "", &ContactLaw::relax,
+                     "move particles apart that overlap others or obstacles by more than 1 % of "
+                     "the smaller radius when they are emitted; without it that is an error")
+                  .only(linear | hertz),
           })
           .decided_by([](const ContactLaw& law) { return static_cast<int>(law.kind); });
   return section;

@@ -100,9 +100,13 @@ class Places {
   Values radius_;
 };
 
-// Positive where a particle overlaps a part of a wall, m.
-double wall_overlap(const Walls& walls, std::uint32_t number, const std::array<double, 3>& center,
-                    double radius) {
+struct WallOverlap {
+  double depth;  // positive where a particle overlaps a part of a wall, m
+  Vec normal;    // towards the particle
+};
+
+WallOverlap wall_overlap(const Walls& walls, std::uint32_t number,
+                         const std::array<double, 3>& center, double radius) {
   const WallPart part = walls.parts()[number];
   const models::Obstacle& shape = walls.now()[part.wall].shape;
   const Vec p{S(center[0] - shape.center[0]), S(center[1] - shape.center[1]),
@@ -111,13 +115,16 @@ double wall_overlap(const Walls& walls, std::uint32_t number, const std::array<d
     const std::array<double, 4>& q = shape.rotation;
     const kernels::Quat<S> turn{S(q[0]), S(q[1]), S(q[2]), S(q[3])};
     const auto at = feature_surface(*shape.mesh, part.feature, rotate(conjugate(turn), p));
-    return any(at.owns) ? radius - at.distance.value() : -1;
+    return {any(at.owns) ? radius - at.distance.value() : -1, rotate(turn, at.normal)};
   }
   if (shape.shape == models::ObstacleShape::height_field) {
-    return -models::field_surface(*shape.samples, p, S(radius)).distance.value();
+    const auto field = models::field_surface(*shape.samples, p, S(radius));
+    return {-field.distance.value(), field.normal};
   }
-  const double distance = models::solid_surface(shape, p).distance.value();
-  return radius - (shape.hollow ? -distance : distance);
+  const auto solid = models::solid_surface(shape, p);
+  const double distance = solid.distance.value();
+  if (shape.hollow) return {radius + distance, -solid.normal};
+  return {radius - distance, solid.normal};
 }
 
 // What a particle overlaps.
@@ -127,10 +134,11 @@ struct Overlap {
   double depth;  // m
 };
 
-// Finds the overlaps of all rows.
+// Finds the overlaps of all rows, or of those from one on with all.
 class Search {
  public:
-  Search(const soa::Table& particles, const Walls& walls, Isa isa, const Parallel& parallel)
+  Search(const soa::Table& particles, const Walls& walls, Isa isa, const Parallel& parallel,
+         std::size_t first_row = 0)
       : places_(particles),
         ids_(particles.ids()),
         walls_(walls),
@@ -138,6 +146,7 @@ class Search {
         parallel_(parallel),
         rows_(particles.rows()) {
     for (auto& column : columns_) column.resize(rows_ + room_of_a_pack);
+    if (first_row > 0) find_vicinity(first_row);
     fill([](std::size_t i) { return i; });
     grid_.build(search_columns(), rows_, 0, 1, parallel_);
     fill([&](std::size_t i) { return grid_.order()[i]; });
@@ -151,7 +160,7 @@ class Search {
       std::vector<std::uint32_t> near(64);
       std::vector<std::uint32_t> near_walls;
       std::vector<Overlap> overlaps;
-      const std::size_t last = std::min(rows_, (task + 1) * rows_per_task);
+      const std::size_t last = std::min(grid_.members(), (task + 1) * rows_per_task);
       for (std::size_t first = task * rows_per_task; first < last; first += rows_per_look) {
         const std::size_t end = std::min(last, first + rows_per_look);
         std::array<std::uint32_t, rows_per_look> counts;
@@ -177,7 +186,7 @@ class Search {
                     });
           for (const std::uint32_t part : near_walls) {
             const double depth =
-                wall_overlap(walls_, part, places_.center(row), places_.radius(row));
+                wall_overlap(walls_, part, places_.center(row), places_.radius(row)).depth;
             if (depth > 0) overlaps.push_back({part, true, depth});
           }
           visit(task, row, std::span<const Overlap>(overlaps));
@@ -190,6 +199,20 @@ class Search {
  private:
   static constexpr std::size_t room_of_a_pack = 16;
 
+  // Rows that none of those from first_row on can overlap are left out.
+  void find_vicinity(std::size_t first_row) {
+    double largest = 0;
+    for (std::size_t row = 0; row < rows_; ++row) largest = std::max(largest, places_.radius(row));
+    for (std::size_t c = 0; c < 3; ++c) std::swap(lowest_[c], highest_[c]);
+    for (std::size_t row = first_row; row < rows_; ++row) {
+      const auto center = places_.center(row);
+      for (std::size_t c = 0; c < 3; ++c) {
+        lowest_[c] = std::min(lowest_[c], center[c] - 2 * largest);
+        highest_[c] = std::max(highest_[c], center[c] + 2 * largest);
+      }
+    }
+  }
+
   template <class RowAt>
   void fill(const RowAt& row_at) {
     parallel_.for_each(tasks(), [&](std::size_t task) {
@@ -197,8 +220,12 @@ class Search {
       for (std::size_t i = task * rows_per_task; i < last; ++i) {
         const std::size_t row = row_at(i);
         const auto center = places_.center(row);
-        for (std::size_t c = 0; c < 3; ++c) columns_[c][i] = center[c];
-        columns_[3][i] = places_.radius(row);
+        bool inside = true;
+        for (std::size_t c = 0; c < 3; ++c) {
+          columns_[c][i] = center[c];
+          inside = inside && center[c] >= lowest_[c] && center[c] <= highest_[c];
+        }
+        columns_[3][i] = inside ? places_.radius(row) : -1;
       }
     });
   }
@@ -229,6 +256,9 @@ class Search {
   const Parallel& parallel_;
   const std::size_t rows_;
   std::array<std::vector<double>, 4> columns_;
+  static constexpr double most = std::numeric_limits<double>::max();
+  std::array<double, 3> lowest_{-most, -most, -most};
+  std::array<double, 3> highest_{most, most, most};
   CellGrid grid_;
 };
 
@@ -305,7 +335,7 @@ double tangential_energy(const models::ContactLaw& law, const Walls& walls,
       double depth = 0;
       if (soa::stream_of(partners[c]) == soa::max_stream) {
         const auto part = static_cast<std::uint32_t>(soa::serial_of(partners[c]));
-        depth = wall_overlap(walls, part, places.center(row), radius);
+        depth = wall_overlap(walls, part, places.center(row), radius).depth;
       } else {
         const std::size_t other = row_of(partners[c]);
         depth = places.overlap(row, other);
@@ -409,7 +439,7 @@ BirthOverlaps find_birth_overlaps(const Setup& setup, double time, const soa::Ta
   const Walls walls = walls_at(setup, time);
   const Places places(particles);
   const soa::Id* ids = particles.ids();
-  const Search search(particles, walls, isa, parallel);
+  const Search search(particles, walls, isa, parallel, first_row);
   std::vector<BirthOverlaps> found(search.tasks());
   const auto place = [](const BirthOverlaps& o) {
     return std::pair(o.particle, o.obstacle ? soa::obstacle_partner(*o.obstacle) : o.partner);
@@ -443,6 +473,82 @@ BirthOverlaps find_birth_overlaps(const Setup& setup, double time, const soa::Ta
   BirthOverlaps all;
   for (const BirthOverlaps& part : found) keep_worse(all, part);
   return all;
+}
+
+namespace {
+
+template <class T>
+void write_place(soa::Table& particles, std::size_t row, const std::array<double, 3>& place) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const T rounded = static_cast<T>(place[c]);
+    particles.column<T>(index(ParticleField::position), c)[row] = rounded;
+    if (T* residual = particles.column<T>(index(ParticleField::residual), c)) {
+      residual[row] = static_cast<T>(place[c] - static_cast<double>(rounded));
+    }
+  }
+}
+
+}  // namespace
+
+bool move_apart(const Setup& setup, double time, soa::Table& particles, std::size_t first_row,
+                double tolerance, Isa isa, const Parallel& parallel) {
+  constexpr int most_rounds = 1000;
+  const Walls walls = walls_at(setup, time);
+  const Places places(particles);
+  const soa::Id* ids = particles.ids();
+  const std::size_t rows = particles.rows();
+  std::vector<std::uint32_t> overlapped(rows);
+  std::vector<std::array<double, 3>> moved(rows - first_row);
+  for (int round = 0; round < most_rounds; ++round) {
+    const Search search(particles, walls, isa, parallel, first_row);
+    std::vector<std::uint8_t> too_deep(search.tasks());
+    search.for_each_row([&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+      overlapped[row] = static_cast<std::uint32_t>(overlaps.size());
+      if (row < first_row) return;
+      for (const Overlap& overlap : overlaps) {
+        const double own = places.radius(row);
+        const double other = overlap.wall ? own : places.radius(overlap.partner);
+        if (overlap.depth > tolerance * std::min(own, other)) too_deep[task] = 1;
+      }
+    });
+    if (std::find(too_deep.begin(), too_deep.end(), 1) == too_deep.end()) return true;
+    search.for_each_row([&](std::size_t, std::size_t row, std::span<const Overlap> overlaps) {
+      if (row < first_row) return;
+      const auto center = places.center(row);
+      Vec shift{S(0), S(0), S(0)};
+      for (const Overlap& overlap : overlaps) {
+        if (overlap.wall) {
+          const auto wall = wall_overlap(walls, overlap.partner, center, places.radius(row));
+          shift += wall.normal * S(wall.depth / overlapped[row]);
+          continue;
+        }
+        const auto from = places.center(overlap.partner);
+        const Vec offset{S(center[0] - from[0]), S(center[1] - from[1]), S(center[2] - from[2])};
+        const double distance = norm(offset).value();
+        // Two at the same place part along y, the lower id downwards.
+        const Vec normal = distance > 0
+                               ? offset * S(1 / distance)
+                               : Vec{S(0), S(ids[row] < ids[overlap.partner] ? -1 : 1), S(0)};
+        // A particle that is there already stays where it is.
+        const double part = overlap.partner < first_row ? 1.0 : 0.5;
+        const std::uint32_t most = std::max(overlapped[row], overlapped[overlap.partner]);
+        shift += normal * S(part * overlap.depth / most);
+      }
+      moved[row - first_row] = {center[0] + shift.x.value(), center[1] + shift.y.value(),
+                                center[2] + shift.z.value()};
+    });
+    parallel.for_each(tasks_of(moved.size()), [&](std::size_t task) {
+      const std::size_t last = std::min(moved.size(), (task + 1) * rows_per_task);
+      for (std::size_t i = task * rows_per_task; i < last; ++i) {
+        if (particles.precision() == soa::Precision::float32) {
+          write_place<float>(particles, first_row + i, moved[i]);
+        } else {
+          write_place<double>(particles, first_row + i, moved[i]);
+        }
+      }
+    });
+  }
+  return false;
 }
 
 }  // namespace salvo::solver

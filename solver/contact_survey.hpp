@@ -35,4 +35,9 @@ BirthOverlaps find_birth_overlaps(const Setup& setup, double time, const soa::Ta
                                   std::size_t first_row, double tolerance, Isa isa,
                                   const Parallel& parallel);
 
+/// Moves the rows from `first_row` on until they overlap nothing by more than the tolerance, each
+/// by the sum over what it overlaps in ascending id. False if that takes more than 1000 rounds.
+bool move_apart(const Setup& setup, double time, soa::Table& particles, std::size_t first_row,
+                double tolerance, Isa isa, const Parallel& parallel);
+
 }  // namespace salvo::solver

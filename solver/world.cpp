@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "models/particle.hpp"
-#include "solver/contact_survey.hpp"
 #include "solver/floating_point_environment.hpp"
 #include "solver/instants.hpp"
 #include "solver/tile.hpp"
@@ -87,6 +86,19 @@ double drag_area_of(const Emitter& emitter) {
 }  // namespace
 
 NumericalError::NumericalError(const BadRow& row) : std::runtime_error(describe(row)), row_(row) {}
+
+OverlapAtBirth::OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps, std::int64_t step)
+    : std::runtime_error(fmt::format(
+          "{} overlap{} when emitted at step {}, the worst by {:.3g} % of the smaller radius: {}",
+          overlaps.pairs == 1 ? "a pair" : fmt::format("{} pairs", overlaps.pairs),
+          overlaps.pairs == 1 ? "s" : "", step, 100 * overlaps.worst,
+          overlaps.obstacle
+              ? fmt::format("particle {} and obstacle {}", overlaps.particle, *overlaps.obstacle)
+              : fmt::format("particles {} and {}", overlaps.particle, overlaps.partner))),
+      overlaps_(overlaps),
+      hint_(setup.contact_law->relax
+                ? "they could not be moved apart in 1000 rounds: give them more room"
+                : "a larger spacing, or relax = true in [contact_law], which moves them apart") {}
 
 std::vector<bool> World::stored_fields(const Setup& setup) {
   const FloatingPointEnvironment environment;
@@ -234,6 +246,24 @@ void World::emit_due() {
          *parallel_);
   }
   find_next_death(present);
+  if (setup_.contact_law && setup_.birth_tolerance && particles_.rows() > present) {
+    check_births(present);
+  }
+}
+
+void World::check_births(std::size_t first_row) {
+  const auto overlaps = [&] {
+    return find_birth_overlaps(setup_, time(), particles_, first_row, *setup_.birth_tolerance,
+                               execution_.isa, *parallel_);
+  };
+  const BirthOverlaps found = overlaps();
+  if (found.pairs == 0) return;
+  if (setup_.contact_law->relax &&
+      move_apart(setup_, time(), particles_, first_row, *setup_.birth_tolerance, execution_.isa,
+                 *parallel_)) {
+    return;
+  }
+  throw OverlapAtBirth(setup_, setup_.contact_law->relax ? overlaps() : found, step_);
 }
 
 void World::find_next_death(std::size_t first_row) {

@@ -12,6 +12,7 @@
 #include "soa/particle_fields.hpp"
 #include "soa/table.hpp"
 #include "solver/contact_solver.hpp"
+#include "solver/contact_survey.hpp"
 #include "solver/emitter.hpp"
 #include "solver/isa.hpp"
 #include "solver/parallel.hpp"
@@ -37,6 +38,8 @@ struct Setup {
   /// Of particles that touch each other, and obstacles through the same law; none: they pass
   /// through each other, and `contact` says how they meet obstacles.
   std::optional<models::ContactLaw> contact_law;
+  /// Greatest overlap at emission, over the smaller radius, under a contact law; none: any.
+  std::optional<double> birth_tolerance;
   Domain domain;
   BadRowPolicy on_bad = BadRowPolicy::stop;
   std::vector<Emitter> emitters;
@@ -69,6 +72,19 @@ class NumericalError : public std::runtime_error {
   BadRow row_;
 };
 
+/// Particles that touch were emitted into each other or an obstacle.
+class OverlapAtBirth : public std::runtime_error {
+ public:
+  OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps, std::int64_t step);
+  const BirthOverlaps& overlaps() const { return overlaps_; }
+  /// What to do.
+  const std::string& hint() const { return hint_; }
+
+ private:
+  BirthOverlaps overlaps_;
+  std::string hint_;
+};
+
 /// The particles that went for one reason, and the first of them.
 struct Removals {
   std::uint64_t count = 0;
@@ -79,7 +95,7 @@ class World {
  public:
   /// At step 0, with what is emitted then; brings directions to unit length. Throws std::bad_alloc,
   /// std::invalid_argument (an instruction set that this binary or machine lacks, two emitters of
-  /// one stream, a direction without length).
+  /// one stream, a direction without length), OverlapAtBirth.
   World(const Setup& setup, const Execution& execution);
 
   const Setup& setup() const { return setup_; }
@@ -109,8 +125,9 @@ class World {
   /// Goes on in another way, to the same bits. Throws std::invalid_argument.
   void execute_as(const Execution& execution);
 
-  /// Steps to `step`, at most 2^31 - 2. Throws NumericalError, naming the earliest bad row; the
-  /// world is of no further use then. Throws std::invalid_argument for a step in the past.
+  /// Steps to `step`, at most 2^31 - 2. Throws NumericalError, naming the earliest bad row, or
+  /// OverlapAtBirth; the world is of no further use then. Throws std::invalid_argument for a step
+  /// in the past.
   void advance_to(std::int64_t step);
 
   Diagnostics diagnose() const;
@@ -138,6 +155,7 @@ class World {
   };
 
   void emit_due();
+  void check_births(std::size_t first_row);
   std::int64_t pass_end(std::int64_t target) const;
   template <class T>
   void run_pass(std::int32_t steps, std::vector<T>& instants);
