@@ -279,10 +279,33 @@ class Step {
 
   void meet_walls(const SphereV& own, std::size_t group, std::size_t lane, Sum<V>& sum) {
     const std::uint64_t* first = pass_.first_wall_slot + group;
+    WallView view;
     for (std::size_t slot = first[0]; slot < first[1]; ++slot) {
       const WallPart part = pass_.wall_parts[pass_.wall_part[slot]];
-      meet_wall(own, pass_.walls[part.wall], part.feature, slot, lane, sum);
+      if (view.wall != part.wall) view = seen_from(part.wall, own);
+      meet_wall(own, view, part.feature, slot, lane, sum);
     }
+  }
+
+  // The particles as seen from the center of a wall, along the axes of the scene and of a mesh.
+  struct WallView {
+    std::uint32_t wall = ~std::uint32_t{0};
+    Vec3<V> p;
+    Vec3<V> own_axes;
+  };
+  static kernels::Quat<V> turn_of(const models::Obstacle& shape) {
+    const std::array<double, 4>& q = shape.rotation;
+    return {V(q[0]), V(q[1]), V(q[2]), V(q[3])};
+  }
+  [[gnu::noinline]] WallView seen_from(std::uint32_t number, const SphereV& own) const {
+    const Wall& wall = pass_.walls[number];
+    // In float with what rounding the center leaves out.
+    const Vec3<V> rest =
+        sizeof(T) == 4 ? models::broadcast<V>(wall.center_rest) : Vec3<V>{V(0), V(0), V(0)};
+    const Vec3<V> p =
+        (own.position - models::broadcast<V>(wall.shape.center)) + (own.residual - rest);
+    const bool is_mesh = wall.shape.shape == models::ObstacleShape::mesh;
+    return {number, p, is_mesh ? rotate(conjugate(turn_of(wall.shape)), p) : p};
   }
 
   struct WallSurface {
@@ -291,37 +314,47 @@ class Step {
     Mask owns;
   };
 
-  // The surface of a wall as seen from its center.
-  static WallSurface wall_surface(const models::Obstacle& shape, std::size_t feature, Vec3<V> p,
-                                  V radius) {
+  static WallSurface wall_surface(const models::Obstacle& shape, std::size_t feature,
+                                  const WallView& view, V radius) {
     const Mask always(true);
     if (shape.shape == models::ObstacleShape::mesh) {
-      const std::array<double, 4>& q = shape.rotation;
-      const kernels::Quat<V> turn{V(q[0]), V(q[1]), V(q[2]), V(q[3])};
-      const auto own = feature_surface(*shape.mesh, feature, rotate(conjugate(turn), p));
-      return {own.distance, rotate(turn, own.normal), own.owns};
+      const auto own = feature_surface(*shape.mesh, feature, view.own_axes);
+      return {own.distance, rotate(turn_of(shape), own.normal), own.owns};
     }
     if (shape.shape == models::ObstacleShape::height_field) {
       // It measures from the surface of the sphere.
-      const kernels::Surface<V> field = models::field_surface(*shape.samples, p, radius);
+      const kernels::Surface<V> field = models::field_surface(*shape.samples, view.p, radius);
       return {field.distance + radius, field.normal, always};
     }
-    const kernels::Surface<V> solid = models::solid_surface(shape, p);
+    const kernels::Surface<V> solid = models::solid_surface(shape, view.p);
     if (shape.hollow) return {-solid.distance, -solid.normal, always};
     return {solid.distance, solid.normal, always};
   }
 
-  [[gnu::noinline]] void meet_wall(const SphereV& own, const Wall& wall, std::size_t feature,
+  // Whether a particle may reach a feature of a mesh: most of those that are near some particle of
+  // a group are far from the others. A
+  // hundredth of the radius covers rounding.
+  static bool may_reach(const models::MeshBounds& bounds, Vec3<V> p, V radius) {
+    const V reach = V(1.01) * radius;
+    const auto outside = [&](V at, std::size_t axis) {
+      return (at + reach < V(bounds.lowest[axis])) | (at - reach > V(bounds.highest[axis]));
+    };
+    return !all(outside(p.x, 0) | outside(p.y, 1) | outside(p.z, 2));
+  }
+
+  [[gnu::noinline]] void meet_wall(const SphereV& own, const WallView& view, std::size_t feature,
                                    std::size_t slot, std::size_t lane, Sum<V>& sum) {
-    // In float with what rounding the center leaves out.
-    const Vec3<V> rest =
-        sizeof(T) == 4 ? models::broadcast<V>(wall.center_rest) : Vec3<V>{V(0), V(0), V(0)};
-    const Vec3<V> p =
-        (own.position - models::broadcast<V>(wall.shape.center)) + (own.residual - rest);
-    const WallSurface surface = wall_surface(wall.shape, feature, p, own.radius);
+    const Wall& wall = pass_.walls[view.wall];
+    const Vec3<V>& p = view.p;
+    SlotMemory<V> memory(pass_.wall_memory, slot, lane);
+    if (wall.shape.shape == models::ObstacleShape::mesh &&
+        !may_reach(wall.shape.mesh->bounds[feature], view.own_axes, own.radius)) {
+      if (memory.touched()) forget(memory);
+      return;
+    }
+    const WallSurface surface = wall_surface(wall.shape, feature, view, own.radius);
     const V distance = surface.distance;
     const Mask touching = surface.owns & (distance < own.radius) & (own.radius > V(0));
-    SlotMemory<V> memory(pass_.wall_memory, slot, lane);
     if (!any(touching)) {
       if (memory.touched()) forget(memory);
       return;
