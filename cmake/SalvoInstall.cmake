@@ -25,5 +25,5 @@ install(FILES ${PROJECT_BINARY_DIR}/salvoConfig.cmake ${PROJECT_BINARY_DIR}/salv
 
 if(TARGET salvo_cli)
   install(TARGETS salvo_cli)
-  install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/salvo FILES_MATCHING PATTERN "*.toml")
+  install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/salvo FILES_MATCHING PATTERN "*.toml" PATTERN "*.csv" PATTERN "*.obj")
 endif()
