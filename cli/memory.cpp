@@ -115,12 +115,23 @@ std::uint64_t frame_bytes(const scene::Scene& scene) {
 }
 
 std::uint64_t checkpoint_bytes(const scene::Scene& scene) {
-  return solver::World::state_bytes(scene.setup) +
+  std::uint64_t contacts = 0;
+  if (scene.setup.contact_law) {
+    contacts = contact_table_bytes(scene.setup, solver::World::total_emitted(scene.setup));
+  }
+  return solver::World::state_bytes(scene.setup) + contacts +
          overhead(scene, solver::World::total_emitted(scene.setup));
 }
 
 std::uint64_t run_bytes(const scene::Scene& scene, bool recorded) {
-  const std::uint64_t state = solver::World::state_bytes(scene.setup) + scratch_bytes(scene.setup);
+  std::uint64_t state = solver::World::state_bytes(scene.setup) + scratch_bytes(scene.setup);
+  if (scene.setup.contact_law) {
+    // A look at the state finds the contacts anew, beside the table of what they remember.
+    constexpr std::uint64_t looking = 88;
+    const std::uint64_t particles = solver::World::total_emitted(scene.setup);
+    state += contact_solver_bytes(scene.setup, particles) +
+             contact_table_bytes(scene.setup, particles) + looking * particles;
+  }
   if (!recorded) return state;
   // Measured peaks: two frames wait while a third is written; one checkpoint, while another is.
   return state + 3 * frame_bytes(scene) + 2 * checkpoint_bytes(scene);

@@ -671,6 +671,8 @@ void Solver<T>::lay_out_neighbors() {
       }
     }
   });
+  // They are as large as what was laid out, and until the next build nobody looks at them.
+  for (auto& lists : raw_) lists = {};
 }
 
 // The walls that a group may reach before the lists are built again.
@@ -845,6 +847,9 @@ void Solver<T>::recall(std::size_t row, std::size_t source) {
 template <class T>
 void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const Stopwatch watch(profile_.transfer_seconds);
+  // Whoever looks needs room of their own.
+  for (auto& column : search_) column.release();
+  grid_ = {};
   if (!remembering_) collect();
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);
@@ -911,6 +916,10 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
       }
     }
   }
+  if (listed_) {
+    remembered_ = {};  // the lists have it all
+    remembering_ = false;
+  }
 }
 
 template <class T>
@@ -940,6 +949,44 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
 
 bool remembers_contacts(const Setup& setup) {
   return setup.contact_law && setup.contact_law->remembers();
+}
+
+namespace {
+
+// Measured in piles at rest and in free fall.
+constexpr std::uint64_t typical_slots = 9;
+constexpr std::uint64_t typical_contacts = 6;
+
+// What one contact remembers, seen from one side.
+std::uint64_t memory_bytes(const Setup& setup) {
+  if (!remembers_contacts(setup)) return 0;
+  return (setup.contact_law->rolls() ? 6 : 3) * size_of(soa::Scalar::real, setup.precision);
+}
+
+}  // namespace
+
+std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) {
+  const std::vector<bool> stored = World::stored_fields(setup);
+  std::uint64_t row = 2 * record_numbers * size_of(soa::Scalar::real, setup.precision);
+  row += 6 * sizeof(std::uint32_t);  // places, ranks and counts
+  row += 4 * sizeof(double);         // where the broad phase looks
+  row += 2 * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) + 2 * sizeof(std::uint32_t);  // cells
+  for (const ParticleField field : {ParticleField::drag_area, ParticleField::death,
+                                    ParticleField::damping_loss, ParticleField::friction_loss}) {
+    if (stored[index(field)]) row += size_of(soa::field(field).scalar, setup.precision);
+  }
+  const std::uint64_t memory = memory_bytes(setup);
+  row += typical_slots * (sizeof(std::int32_t) + memory);
+  if (memory > 0)
+    row += sizeof(std::uint32_t) + typical_contacts * (sizeof(std::uint32_t) + memory);
+  row += row / 16;  // what the arrays keep to spare
+  // Rows on their way out: lists before they are laid out are the most.
+  return particles * (row + typical_slots * sizeof(std::uint32_t));
+}
+
+std::uint64_t contact_table_bytes(const Setup& setup, std::uint64_t particles) {
+  if (!remembers_contacts(setup)) return 0;
+  return particles * typical_contacts / 2 * (2 * sizeof(std::uint64_t) + memory_bytes(setup));
 }
 
 soa::Table empty_contacts(const Setup& setup) {

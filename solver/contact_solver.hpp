@@ -71,6 +71,11 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
 
 /// Whether contacts have a memory, which is state.
 bool remembers_contacts(const Setup& setup);
+/// Bytes that so many particles take in the solver besides the tables, in a dense pile: what their
+/// lists and contacts need depends on where they are.
+std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles);
+/// Bytes of a table of the contacts of so many particles in a dense pile.
+std::uint64_t contact_table_bytes(const Setup& setup, std::uint64_t particles);
 /// An empty table of contacts for the set-up.
 soa::Table empty_contacts(const Setup& setup);
 

@@ -325,6 +325,8 @@ void World::advance_contacts(std::int64_t steps) {
     contact_solver_->load(particles_, contacts_);
     in_contact_solver_ = true;
   }
+  // It has them now; a look at the state fills the table again.
+  if (settled_ && contacts_.rows() > 0) contacts_ = empty_contacts(setup_);
   settled_ = false;
   for (const std::int64_t end = step_ + steps; step_ < end; ++step_) {
     const bool deaths = next_death_ <= step_ + 1;

@@ -725,6 +725,51 @@ TEST(SceneMistakes, HeightFields) {
       "    |                                  ^^^^ expected at most 16777216");
 }
 
+// The minimal scene with particles that touch.
+std::string touching(const std::string& law,
+                     const std::string& emitter = "mass = 1\nradius = 0.1\n",
+                     const std::string& more = {}) {
+  return "precision = \"float\"\n[time]\ndt = 1e-4\nsteps = 10\n[[emitter]]\nkind = \"burst\"\n"
+         "count = 1\n" +
+         emitter + "[contact_law]\n" + law + more;
+}
+
+TEST(SceneMistakes, ContactLaws) {
+  const std::string spring = "kind = \"linear_spring\"\nnormal_stiffness = 1e3\n";
+  const auto says = [](const std::string& text, const std::string& what) {
+    EXPECT_NE(mistakes_of(text).find(what), std::string::npos) << text << mistakes_of(text);
+  };
+  EXPECT_EQ(mistakes_of(touching(spring)), "no mistake");
+  says(touching(spring, "mass = 1\n"), "particles that touch need a radius");
+  says(touching(spring, "mass = 1\nradius = 0\n"), "particles that touch need a radius");
+  says(touching(spring, "mass = 1\nradius = -1\n"), "radius");
+  says(touching(spring, "mass = 0\nradius = 0.1\n"), "mass");
+  says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e12\n"), "cannot follow contacts");
+  says(touching(spring + "rolling_friction = 0.1\n"), "there is no friction");
+  says(touching(spring, "mass = 1\nradius = 0.1\n",
+                "[[obstacle]]\nshape = \"plane\"\nfriction = 0.5\n"),
+       "give a friction in [contact_law]");
+  says(touching(spring, "mass = 1\nradius = 0.1\n", "[contact]\n[[obstacle]]\nshape = \"plane\"\n"),
+       "remove one of the two");
+  says("integrator = \"explicit_euler\"\n" + touching(spring), "semi_implicit_euler alone");
+  says(
+      "precision = \"float\"\n[time]\nsteps = 10\n[[emitter]]\nkind = \"burst\"\ncount = 1\n"
+      "mass = 1\nradius = 0.1\n[contact_law]\nkind = \"impulse\"\n",
+      "dt");
+  says(touching(spring, "mass = 1\nradius = 0.1\n",
+                "[[obstacle]]\nshape = \"mesh\"\nfile = \"nowhere.obj\"\n"),
+       "nowhere.obj");
+  says(touching("kind = \"impulse\"\nrelax = true\n"), "relax");
+}
+
+TEST(SceneMistakes, WhatNeedsAContactLaw) {
+  for (const std::string key : {"hollow = true", "motion.velocity = [1, 0, 0]"}) {
+    const std::string said =
+        mistakes_with("[[obstacle]]\nshape = \"box\"\nhalf_size = [1, 1, 1]\n" + key + "\n");
+    EXPECT_NE(said.find("give a [contact_law]"), std::string::npos) << said;
+  }
+}
+
 TEST(SceneOverrides, ReplaceAndAddKeys) {
   const Scene scene = parse(minimal, "scene.toml",
                             {"emitter.0.count=20", "time.dt=5 ms", "precision=double",
