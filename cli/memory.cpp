@@ -127,7 +127,7 @@ std::uint64_t run_bytes(const scene::Scene& scene, bool recorded) {
   std::uint64_t state = solver::World::state_bytes(scene.setup) + scratch_bytes(scene.setup);
   if (scene.setup.contact_law) {
     // A look at the state finds the contacts anew, beside the table of what they remember.
-    constexpr std::uint64_t looking = 88;
+    constexpr std::uint64_t looking = 24;  // the broad phase's room is free then
     const std::uint64_t particles = solver::World::total_emitted(scene.setup);
     state += contact_solver_bytes(scene.setup, particles) +
              contact_table_bytes(scene.setup, particles) + looking * particles;

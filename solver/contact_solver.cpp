@@ -980,8 +980,7 @@ std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) 
   if (memory > 0)
     row += sizeof(std::uint32_t) + typical_contacts * (sizeof(std::uint32_t) + memory);
   row += row / 16;  // what the arrays keep to spare
-  // Rows on their way out: lists before they are laid out are the most.
-  return particles * (row + typical_slots * sizeof(std::uint32_t));
+  return particles * row;
 }
 
 std::uint64_t contact_table_bytes(const Setup& setup, std::uint64_t particles) {
