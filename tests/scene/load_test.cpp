@@ -412,7 +412,7 @@ TEST(SceneMistakes, MissingKeysAndSections) {
             "scene.toml:4:1: error: missing key \"kind\" in [[emitter]]\n"
             "  4 | [[emitter]]\n"
             "    | ^^^^^^^^^^^ what it is: \"burst\", \"shell\", \"cone\", \"jet\", "
-            "\"book_explosion\" or \"energy_explosion\"");
+            "\"book_explosion\", \"energy_explosion\" or \"lattice\"");
   EXPECT_EQ(mistakes_with("[domain]\nlowest = [0, 0, 0]\n"),
             "scene.toml:7:1: error: missing key \"highest\" in [domain]\n"
             "  7 | [domain]\n"

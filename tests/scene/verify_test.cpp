@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -297,8 +299,9 @@ TEST(Verify, ReportsEveryFrame) {
 }
 
 soa::Table three_rows() {
-  soa::Table table(soa::particle_fields, soa::Precision::float64,
-                   {true, true, true, false, false, false, false, false, false});
+  std::vector<bool> stored(soa::particle_fields.size(), false);
+  std::fill_n(stored.begin(), 3, true);
+  soa::Table table(soa::particle_fields, soa::Precision::float64, stored);
   table.append(3);
   for (soa::Id id = 0; id < 3; ++id) table.ids()[id] = 10 + id;
   return table;
