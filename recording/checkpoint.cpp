@@ -80,15 +80,17 @@ soa::Table table_of(const Frame& frame, const std::filesystem::path& path) {
     throw CorruptFile(fmt::format("cannot read {}: {} {}", path.string(), field, what));
   };
   std::vector<bool> stored;
-  for (const soa::Field& field : fields) {
-    stored.push_back(uniform_named(frame.info, field.name) == nullptr);
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const bool absent = soa::only_of_contacts(f) && !column_named(frame.columns, fields[f].name);
+    stored.push_back(!absent && uniform_named(frame.info, fields[f].name) == nullptr);
   }
   if (!stored[0]) fail(fields[0].name, "is not a column");
   soa::Table table(fields, frame.info.precision, stored);
   table.append(frame.rows);
   for (std::size_t f = 0; f < fields.size(); ++f) {
     if (!stored[f]) {
-      table.set_uniform(f, uniform_named(frame.info, fields[f].name)->value);
+      const UniformValue* value = uniform_named(frame.info, fields[f].name);
+      if (value) table.set_uniform(f, value->value);
       continue;
     }
     const FrameColumn* column = column_named(frame.columns, fields[f].name);

@@ -144,7 +144,8 @@ void FrameWriter::write_salvo(hid_t file, const StateInfo& state, const Rows& ro
   }
   const Handle uniform = hdf5::create_group(salvo, "uniform");
   for (std::size_t f = 0; f < rows.stored.size(); ++f) {
-    if (!rows.stored[f]) write_attribute(uniform, std::string(fields[f].name), rows.uniform[f]);
+    if (rows.stored[f] || (soa::only_of_contacts(f) && !scene_.setup.contact_law)) continue;
+    write_attribute(uniform, std::string(fields[f].name), rows.uniform[f]);
   }
 
   const Handle diagnostics = hdf5::create_group(salvo, "diagnostics");

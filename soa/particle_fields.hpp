@@ -53,6 +53,11 @@ inline constexpr std::array<Field, 13> particle_fields{{
      unbounded},
 }};
 
+/// Fields that only particles that touch have; files of other scenes do not mention them.
+constexpr bool only_of_contacts(std::size_t field) {
+  return field >= static_cast<std::size_t>(ParticleField::angular_velocity);
+}
+
 constexpr const Field& field(ParticleField which) {
   return particle_fields[static_cast<std::size_t>(which)];
 }
