@@ -50,6 +50,7 @@ std::vector<std::size_t> recorded_fields(const scene::Scene& scene) {
   std::vector<std::size_t> fields;
   for (const soa::ParticleField column : scene.frames.columns) {
     const auto field = static_cast<std::size_t>(column);
+    if (soa::only_of_contacts(field) && !scene.setup.contact_law) continue;
     if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
   }
   return fields;

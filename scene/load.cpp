@@ -544,6 +544,11 @@ class Completion {
   void complete_columns() {
     const std::vector<soa::ParticleField>& columns = keys_.frames.columns;
     for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (soa::only_of_contacts(static_cast<std::size_t>(columns[i])) && !keys_.setup.contact_law) {
+        fail(fmt::format("frames.columns.{}", i),
+             fmt::format("\"{}\" is of particles that touch", soa::field(columns[i]).name),
+             "give a [contact_law], or remove it");
+      }
       if (std::find(columns.begin(), columns.begin() + i, columns[i]) == columns.begin() + i) {
         continue;
       }

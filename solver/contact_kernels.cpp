@@ -28,10 +28,20 @@ struct Sphere {
   V radius, mass, path;
 };
 
+// A record as the numbers that it is.
+template <class T>
+const T* numbers_of(const SphereRecord<T>* rows) {
+  return reinterpret_cast<const T*>(rows);
+}
+template <class T>
+T* numbers_of(SphereRecord<T>* rows) {
+  return reinterpret_cast<T*>(rows);
+}
+
 template <class V>
 Quad<V> quad(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
              std::size_t first) {
-  return kernels::load_quad<record_numbers>(rows->position + first, index,
+  return kernels::load_quad<record_numbers>(numbers_of(rows) + first, index,
                                             static_cast<const V*>(nullptr));
 }
 
@@ -58,7 +68,7 @@ void load_motion(const SphereRecord<typename V::Real>* rows, const std::int32_t*
 
 template <class V>
 void store(const Sphere<V>& s, SphereRecord<typename V::Real>* rows) {
-  auto* to = rows->position;
+  auto* to = numbers_of(rows);
   constexpr std::size_t n = record_numbers;
   kernels::store_quad<n>(Quad<V>{s.position.x, s.position.y, s.position.z, s.radius}, to);
   kernels::store_quad<n>(Quad<V>{s.residual.x, s.residual.y, s.residual.z, s.mass}, to + 4);

@@ -57,6 +57,35 @@ class Resume : public testing::Test {
   TemporaryDirectory directory_;
 };
 
+// What the contacts remember is in the checkpoints, too.
+TEST(ResumeOfContacts, AfterAnInterruptionEndsUpTheSame) {
+  scene::Scene scene = small_scene(300);
+  models::ContactLaw law;
+  law.normal_stiffness = 40;  // N/m: an impact of some thirty steps
+  law.friction = 0.5;
+  law.rolling_friction = 0.2;
+  scene.setup.contact_law = law;
+  scene.setup.integrator = solver::IntegratorKind::semi_implicit_euler;
+  models::Obstacle floor;
+  floor.center = {0, -0.5, 0};
+  floor.friction = 0.3;
+  scene.setup.obstacles = {floor};
+  for (solver::Emitter& emitter : scene.setup.emitters) {
+    emitter.radius.a = 0.2;
+    emitter.source_radius = 2;
+  }
+  const TemporaryDirectory directory;
+  record_run(scene, directory / "whole");
+  std::filesystem::copy(directory / "whole", directory / "again");
+  for (const int frame : {5, 6, 7, 8, 9, 10, 11, 12}) {
+    std::filesystem::remove(directory / "again" / frame_name(frame));
+  }
+  const Resumed resumed = resume(scene, directory / "again");
+  EXPECT_EQ(resumed.from, 20);
+  expect_equal_contents(directory / "again", directory / "whole");
+  EXPECT_GT(read_checkpoint(directory / "whole" / checkpoint_name(20)).contacts->rows(), 20U);
+}
+
 TEST_F(Resume, AfterAnInterruptionAtAnyFrameEndsUpTheSame) {
   for (std::int64_t stop = 0; stop <= 60; stop += 5) {
     const std::filesystem::path again = directory_ / "again";
