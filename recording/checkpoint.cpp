@@ -53,10 +53,11 @@ bool is_of(const FrameColumn& column, const soa::Field& field) {
 
 std::optional<soa::Table> contacts_of(const Frame& frame, const std::filesystem::path& path) {
   if (frame.contact_columns.empty()) return std::nullopt;
-  std::vector<bool> stored;
-  for (const soa::Field& field : soa::contact_fields) {
-    stored.push_back(column_named(frame.contact_columns, field.name) != nullptr);
-  }
+  std::vector<bool> stored(std::size(soa::contact_fields));
+  std::transform(std::begin(soa::contact_fields), std::end(soa::contact_fields), stored.begin(),
+                 [&](const soa::Field& field) {
+                   return column_named(frame.contact_columns, field.name) != nullptr;
+                 });
   const auto fail = [&](std::string_view field, std::string_view what) {
     throw CorruptFile(fmt::format("cannot read {}: {} {}", path.string(), field, what));
   };
