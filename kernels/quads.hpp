@@ -22,7 +22,8 @@ using Quad = std::array<V, 4>;
 /// Component k of lane i is from[index[i] * Stride + k]. `from` is aligned to four numbers, and so
 /// is the stride.
 template <std::size_t Stride, class V>
-Quad<V> load_quad(const typename V::Real* from, const std::int32_t* index, const V*) {
+[[gnu::always_inline]] inline Quad<V> load_quad(const typename V::Real* from,
+                                                const std::int32_t* index, const V*) {
   alignas(64) typename V::Real c[4][V::width];
   for (std::size_t lane = 0; lane < V::width; ++lane) {
     const auto* record = from + static_cast<std::size_t>(index[lane]) * Stride;
@@ -33,7 +34,7 @@ Quad<V> load_quad(const typename V::Real* from, const std::int32_t* index, const
 
 /// The reverse for records in a row: lane i goes to to[i * Stride].
 template <std::size_t Stride, class V>
-void store_quad(const Quad<V>& quad, typename V::Real* to) {
+[[gnu::always_inline]] inline void store_quad(const Quad<V>& quad, typename V::Real* to) {
   alignas(64) typename V::Real c[4][V::width];
   for (std::size_t k = 0; k < 4; ++k) quad[k].store(c[k]);
   for (std::size_t lane = 0; lane < V::width; ++lane) {
@@ -60,8 +61,9 @@ void store_quad(const Quad<V>& quad, typename V::Real* to) {
 #if defined(SALVO_ISA_sse2)
 SALVO_TRANSPOSE(_mm, __m128)
 template <std::size_t Stride>
-Quad<Lane<float, Sse2>> load_quad(const float* from, const std::int32_t* index,
-                                  const Lane<float, Sse2>*) {
+[[gnu::always_inline]] inline Quad<Lane<float, Sse2>> load_quad(const float* from,
+                                                                const std::int32_t* index,
+                                                                const Lane<float, Sse2>*) {
   using B = Lane<float, Sse2>::Batch;
   const auto row = [&](std::size_t i) {
     return _mm_load_ps(from + static_cast<std::size_t>(index[i]) * Stride);
@@ -70,7 +72,7 @@ Quad<Lane<float, Sse2>> load_quad(const float* from, const std::int32_t* index,
   return {B(c[0]), B(c[1]), B(c[2]), B(c[3])};
 }
 template <std::size_t Stride>
-void store_quad(const Quad<Lane<float, Sse2>>& quad, float* to) {
+[[gnu::always_inline]] inline void store_quad(const Quad<Lane<float, Sse2>>& quad, float* to) {
   const auto r =
       quad_transposed(quad[0].batch(), quad[1].batch(), quad[2].batch(), quad[3].batch());
   for (std::size_t i = 0; i < 4; ++i) _mm_store_ps(to + i * Stride, r[i]);
@@ -78,8 +80,9 @@ void store_quad(const Quad<Lane<float, Sse2>>& quad, float* to) {
 #elif defined(SALVO_ISA_avx2)
 SALVO_TRANSPOSE(_mm256, __m256)
 template <std::size_t Stride>
-Quad<Lane<float, Avx2>> load_quad(const float* from, const std::int32_t* index,
-                                  const Lane<float, Avx2>*) {
+[[gnu::always_inline]] inline Quad<Lane<float, Avx2>> load_quad(const float* from,
+                                                                const std::int32_t* index,
+                                                                const Lane<float, Avx2>*) {
   using B = Lane<float, Avx2>::Batch;
   const auto rows = [&](std::size_t i) {
     const float* low = from + static_cast<std::size_t>(index[i]) * Stride;
@@ -90,7 +93,7 @@ Quad<Lane<float, Avx2>> load_quad(const float* from, const std::int32_t* index,
   return {B(c[0]), B(c[1]), B(c[2]), B(c[3])};
 }
 template <std::size_t Stride>
-void store_quad(const Quad<Lane<float, Avx2>>& quad, float* to) {
+[[gnu::always_inline]] inline void store_quad(const Quad<Lane<float, Avx2>>& quad, float* to) {
   const auto r =
       quad_transposed(quad[0].batch(), quad[1].batch(), quad[2].batch(), quad[3].batch());
   for (std::size_t i = 0; i < 4; ++i) {
@@ -101,8 +104,9 @@ void store_quad(const Quad<Lane<float, Avx2>>& quad, float* to) {
 #elif defined(SALVO_ISA_avx512)
 SALVO_TRANSPOSE(_mm512, __m512)
 template <std::size_t Stride>
-Quad<Lane<float, Avx512>> load_quad(const float* from, const std::int32_t* index,
-                                    const Lane<float, Avx512>*) {
+[[gnu::always_inline]] inline Quad<Lane<float, Avx512>> load_quad(const float* from,
+                                                                  const std::int32_t* index,
+                                                                  const Lane<float, Avx512>*) {
   using B = Lane<float, Avx512>::Batch;
   const auto rows = [&](std::size_t i) {
     const auto row = [&](std::size_t lane) {
@@ -117,7 +121,7 @@ Quad<Lane<float, Avx512>> load_quad(const float* from, const std::int32_t* index
   return {B(c[0]), B(c[1]), B(c[2]), B(c[3])};
 }
 template <std::size_t Stride>
-void store_quad(const Quad<Lane<float, Avx512>>& quad, float* to) {
+[[gnu::always_inline]] inline void store_quad(const Quad<Lane<float, Avx512>>& quad, float* to) {
   const auto r =
       quad_transposed(quad[0].batch(), quad[1].batch(), quad[2].batch(), quad[3].batch());
   for (std::size_t i = 0; i < 4; ++i) {
@@ -142,7 +146,8 @@ inline std::array<__m256d, 4> quad_transposed(__m256d r0, __m256d r1, __m256d r2
           _mm256_permute2f128_pd(odd_low, odd_high, 0x31)};
 }
 template <std::size_t Stride>
-std::array<__m256d, 4> quad_of_four(const double* from, const std::int32_t* index) {
+[[gnu::always_inline]] inline std::array<__m256d, 4> quad_of_four(const double* from,
+                                                                  const std::int32_t* index) {
   const auto row = [&](std::size_t i) {
     return _mm256_load_pd(from + static_cast<std::size_t>(index[i]) * Stride);
   };
@@ -151,16 +156,24 @@ std::array<__m256d, 4> quad_of_four(const double* from, const std::int32_t* inde
 #endif
 #if defined(SALVO_ISA_avx2)
 template <std::size_t Stride>
-Quad<Lane<double, Avx2>> load_quad(const double* from, const std::int32_t* index,
-                                   const Lane<double, Avx2>*) {
+[[gnu::always_inline]] inline Quad<Lane<double, Avx2>> load_quad(const double* from,
+                                                                 const std::int32_t* index,
+                                                                 const Lane<double, Avx2>*) {
   using B = Lane<double, Avx2>::Batch;
   const auto c = quad_of_four<Stride>(from, index);
   return {B(c[0]), B(c[1]), B(c[2]), B(c[3])};
 }
+template <std::size_t Stride>
+[[gnu::always_inline]] inline void store_quad(const Quad<Lane<double, Avx2>>& quad, double* to) {
+  const auto r =
+      quad_transposed(quad[0].batch(), quad[1].batch(), quad[2].batch(), quad[3].batch());
+  for (std::size_t i = 0; i < 4; ++i) _mm256_store_pd(to + i * Stride, r[i]);
+}
 #elif defined(SALVO_ISA_avx512)
 template <std::size_t Stride>
-Quad<Lane<double, Avx512>> load_quad(const double* from, const std::int32_t* index,
-                                     const Lane<double, Avx512>*) {
+[[gnu::always_inline]] inline Quad<Lane<double, Avx512>> load_quad(const double* from,
+                                                                   const std::int32_t* index,
+                                                                   const Lane<double, Avx512>*) {
   using B = Lane<double, Avx512>::Batch;
   const auto low = quad_of_four<Stride>(from, index);
   const auto high = quad_of_four<Stride>(from, index + 4);
@@ -168,6 +181,47 @@ Quad<Lane<double, Avx512>> load_quad(const double* from, const std::int32_t* ind
     return B(_mm512_insertf64x4(_mm512_castpd256_pd512(low[k]), high[k], 1));
   };
   return {joined(0), joined(1), joined(2), joined(3)};
+}
+template <std::size_t Stride>
+[[gnu::always_inline]] inline void store_quad(const Quad<Lane<double, Avx512>>& quad, double* to) {
+  const auto low = [&](std::size_t k) { return _mm512_castpd512_pd256(quad[k].batch()); };
+  const auto high = [&](std::size_t k) { return _mm512_extractf64x4_pd(quad[k].batch(), 1); };
+  const auto first = quad_transposed(low(0), low(1), low(2), low(3));
+  const auto second = quad_transposed(high(0), high(1), high(2), high(3));
+  for (std::size_t i = 0; i < 4; ++i) {
+    _mm256_store_pd(to + i * Stride, first[i]);
+    _mm256_store_pd(to + (i + 4) * Stride, second[i]);
+  }
+}
+#endif
+
+/// Records in a row of four quads each.
+template <class V>
+[[gnu::always_inline]] inline void store_records(const std::array<Quad<V>, 4>& quads,
+                                                 typename V::Real* to) {
+  for (std::size_t k = 0; k < 4; ++k) store_quad<16>(quads[k], to + 4 * k);
+}
+#if defined(SALVO_ISA_avx512)
+/// A record is one line, and is written at once.
+[[gnu::always_inline]] inline void store_records(
+    const std::array<Quad<Lane<float, Avx512>>, 4>& quads, float* to) {
+  std::array<std::array<__m512, 4>, 4> r;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto& q = quads[k];
+    r[k] = quad_transposed(q[0].batch(), q[1].batch(), q[2].batch(), q[3].batch());
+  }
+  // Each register now holds a quad of the records i, i + 4, i + 8 and i + 12.
+  for (std::size_t i = 0; i < 4; ++i) {
+    const __m512 low = _mm512_shuffle_f32x4(r[0][i], r[1][i], 0x44);
+    const __m512 high = _mm512_shuffle_f32x4(r[0][i], r[1][i], 0xee);
+    const __m512 next_low = _mm512_shuffle_f32x4(r[2][i], r[3][i], 0x44);
+    const __m512 next_high = _mm512_shuffle_f32x4(r[2][i], r[3][i], 0xee);
+    float* record = to + i * 16;
+    _mm512_store_ps(record, _mm512_shuffle_f32x4(low, next_low, 0x88));
+    _mm512_store_ps(record + 4 * 16, _mm512_shuffle_f32x4(low, next_low, 0xdd));
+    _mm512_store_ps(record + 8 * 16, _mm512_shuffle_f32x4(high, next_high, 0x88));
+    _mm512_store_ps(record + 12 * 16, _mm512_shuffle_f32x4(high, next_high, 0xdd));
+  }
 }
 #endif
 

@@ -39,15 +39,15 @@ T* numbers_of(SphereRecord<T>* rows) {
 }
 
 template <class V>
-Quad<V> quad(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
-             std::size_t first) {
+[[gnu::always_inline]] inline Quad<V> quad(const SphereRecord<typename V::Real>* rows,
+                                           const std::int32_t* index, std::size_t first) {
   return kernels::load_quad<record_numbers>(numbers_of(rows) + first, index,
                                             static_cast<const V*>(nullptr));
 }
 
 template <class V>
-void load_place(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
-                Sphere<V>& sphere) {
+[[gnu::always_inline]] inline void load_place(const SphereRecord<typename V::Real>* rows,
+                                              const std::int32_t* index, Sphere<V>& sphere) {
   const Quad<V> place = quad<V>(rows, index, 0);
   const Quad<V> rest = quad<V>(rows, index, 4);
   sphere.position = {place[0], place[1], place[2]};
@@ -57,8 +57,8 @@ void load_place(const SphereRecord<typename V::Real>* rows, const std::int32_t* 
 }
 
 template <class V>
-void load_motion(const SphereRecord<typename V::Real>* rows, const std::int32_t* index,
-                 Sphere<V>& sphere) {
+[[gnu::always_inline]] inline void load_motion(const SphereRecord<typename V::Real>* rows,
+                                               const std::int32_t* index, Sphere<V>& sphere) {
   const Quad<V> velocity = quad<V>(rows, index, 8);
   const Quad<V> spin = quad<V>(rows, index, 12);
   sphere.velocity = {velocity[0], velocity[1], velocity[2]};
@@ -68,22 +68,21 @@ void load_motion(const SphereRecord<typename V::Real>* rows, const std::int32_t*
 
 template <class V>
 void store(const Sphere<V>& s, SphereRecord<typename V::Real>* rows) {
-  auto* to = numbers_of(rows);
-  constexpr std::size_t n = record_numbers;
-  kernels::store_quad<n>(Quad<V>{s.position.x, s.position.y, s.position.z, s.radius}, to);
-  kernels::store_quad<n>(Quad<V>{s.residual.x, s.residual.y, s.residual.z, s.mass}, to + 4);
-  kernels::store_quad<n>(Quad<V>{s.velocity.x, s.velocity.y, s.velocity.z, s.path}, to + 8);
-  kernels::store_quad<n>(Quad<V>{s.spin.x, s.spin.y, s.spin.z, V(0)}, to + 12);
+  const std::array<Quad<V>, 4> quads = {Quad<V>{s.position.x, s.position.y, s.position.z, s.radius},
+                                        Quad<V>{s.residual.x, s.residual.y, s.residual.z, s.mass},
+                                        Quad<V>{s.velocity.x, s.velocity.y, s.velocity.z, s.path},
+                                        Quad<V>{s.spin.x, s.spin.y, s.spin.z, V(0)}};
+  kernels::store_records(quads, numbers_of(rows));
 }
 
-// The memory of one slot for the lanes of a pack.
+// The memory of one slot of walls for the lanes of a pack.
 template <class V>
 class SlotMemory {
  public:
   using T = typename V::Real;
   using Mask = typename V::Mask;
 
-  SlotMemory(const ContactMemory<T>& memory, std::size_t slot, std::size_t first_lane)
+  SlotMemory(const WallMemory<T>& memory, std::size_t slot, std::size_t first_lane)
       : bits_(memory.touching + slot),
         first_lane_(first_lane),
         tangential_(place(memory.tangential, slot)),
@@ -118,6 +117,57 @@ class SlotMemory {
   std::size_t first_lane_;
   T* tangential_;
   T* rolling_;
+};
+
+// Contacts of some rows, to be met a pack at a time: slot after slot, so that those of a row are in
+// ascending order of their partners.
+template <class T, std::size_t HistoryColumns, std::size_t Results>
+struct ContactBatch {
+  static constexpr std::size_t room = 256;
+  static constexpr std::size_t rows = room + group_rows;
+
+  std::size_t count = 0;
+  alignas(64) std::int32_t own[rows];
+  alignas(64) std::int32_t other[rows];
+  alignas(64) T history[HistoryColumns][rows];
+  alignas(64) T result[rows * Results];
+
+  // Packs are whole: what fills up the last one repeats the last contact, and nobody reads what
+  // comes of it.
+  void fill_up() {
+    for (std::size_t n = count; n < (count + group_rows - 1) / group_rows * group_rows; ++n) {
+      own[n] = own[count - 1];
+      other[n] = other[count - 1];
+      for (auto& column : history) column[n] = column[count - 1];
+    }
+  }
+};
+
+// The memory of a pack of them.
+template <class V, class Batch>
+class BatchMemory {
+ public:
+  BatchMemory(Batch& batch, std::size_t first) : batch_(batch), first_(first) {}
+  static constexpr bool touched() { return true; }  // a contact that is new holds zeros
+  Vec3<V> tangential() const { return load(0); }
+  Vec3<V> rolling() const { return load(3); }
+  void set_tangential(Vec3<V> x) { store(x, 0); }
+  void set_rolling(Vec3<V> x) { store(x, 3); }
+  void set_touching(std::uint32_t) {}
+
+ private:
+  Vec3<V> load(std::size_t c) const {
+    return {V::load(batch_.history[c] + first_), V::load(batch_.history[c + 1] + first_),
+            V::load(batch_.history[c + 2] + first_)};
+  }
+  void store(Vec3<V> x, std::size_t c) {
+    x.x.store(batch_.history[c] + first_);
+    x.y.store(batch_.history[c + 1] + first_);
+    x.z.store(batch_.history[c + 2] + first_);
+  }
+
+  Batch& batch_;
+  std::size_t first_;
 };
 
 // What acts on a sphere, and what its contacts lose.
@@ -164,14 +214,30 @@ class Step {
         highest_(models::broadcast<V>(pass.domain.highest)) {}
 
   void advance() {
-    for (std::size_t group = pass_.first_group; group < pass_.last_group; ++group) {
-      prefetch(group + prefetch_groups);
-      for (std::size_t lane = 0; lane < group_rows; lane += V::width) advance_pack(group, lane);
+    for (std::size_t first = pass_.first_group; first < pass_.last_group; first += chunk_groups) {
+      advance_chunk(first, std::min(first + chunk_groups, pass_.last_group));
     }
   }
 
  private:
   using SphereV = Sphere<V>;
+  static constexpr bool remembers = Friction && !Law::impulsive;
+  static constexpr std::size_t history_columns = !remembers ? 0 : Rolling ? 6 : 3;
+  // Four numbers each: the force, the torque, the shift, with the losses in between.
+  static constexpr std::size_t results = Counting ? 4 : Law::impulsive ? 12 : Friction ? 8 : 4;
+  static constexpr std::size_t chunk_groups = 32;
+  using Batch = ContactBatch<T, history_columns == 0 ? 1 : history_columns, results>;
+
+  void advance_chunk(std::size_t first, std::size_t last) {
+    first_row_ = first * group_rows;
+    std::fill_n(sums_, (last - first) * group_rows * results, T(0));
+    for (std::size_t group = first; group < last; ++group) {
+      prefetch(group + prefetch_groups);
+      find_contacts(group);
+    }
+    meet_batch();
+    for (std::size_t row = first_row_; row < last * group_rows; row += V::width) advance_pack(row);
+  }
 
   // Neighbors are anywhere, which no hardware foresees; but the lists say where.
   [[gnu::always_inline]] void prefetch(std::size_t group) const {
@@ -179,30 +245,17 @@ class Step {
     const std::int32_t* end = pass_.neighbor + pass_.first_slot[group + 1] * group_rows;
     for (const std::int32_t* index = pass_.neighbor + pass_.first_slot[group] * group_rows;
          index < end; ++index) {
-      const SphereRecord<T>* record = pass_.from + *index;
-      __builtin_prefetch(record->position);
-      if (sizeof(T) == 8) __builtin_prefetch(record->velocity);
-    }
-    if (!Friction || Law::impulsive) return;
-    for (std::size_t slot = pass_.first_slot[group]; slot < pass_.first_slot[group + 1]; ++slot) {
-      if (pass_.memory.touching[slot] == 0) continue;
-      const T* line = pass_.memory.tangential + slot * 3 * group_rows;
-      for (std::size_t n = 0; n < 3 * group_rows; n += 64 / sizeof(T)) {
-        __builtin_prefetch(line + n, 1);
-        if (Rolling) __builtin_prefetch(pass_.memory.rolling + slot * 3 * group_rows + n, 1);
-      }
+      __builtin_prefetch(pass_.from[*index].position);
     }
   }
 
-  void advance_pack(std::size_t group, std::size_t lane) {
-    const std::size_t row = group * group_rows + lane;
+  void advance_pack(std::size_t row) {
     SphereV own;
     load_place(pass_.from + row, consecutive, own);
     load_motion(pass_.from + row, consecutive, own);
-    Sum<V> sum;
+    Sum<V> sum = sum_of(row);
     if constexpr (Law::impulsive && !Counting) own_approaches_ = V::load(pass_.approaches + row);
-    meet_neighbors(own, pass_.first_slot[group], pass_.first_slot[group + 1], lane, sum);
-    if (!pass_.walls.empty()) meet_walls(own, group, lane, sum);
+    if (!pass_.walls.empty()) meet_walls(own, row / group_rows, row % group_rows, sum);
     if constexpr (Counting) {
       sum.approaches.store(pass_.approaches + row);
     } else {
@@ -210,57 +263,127 @@ class Step {
     }
   }
 
-  // First who touches, for many slots in one go without a branch; then the contacts of the slots in
-  // which anyone does. Whether one does is a coin's toss, and a processor that guesses wrong loses
-  // the loads that it has under way.
-  SALVO_FLATTEN void meet_neighbors(const SphereV& own, std::size_t first, std::size_t last,
-                                    std::size_t lane, Sum<V>& sum) {
+  // First who touches, for many slots in one go without a branch; then the contacts are picked out
+  // of them: most of what is near does not touch, and a pack is to be full of what does.
+  SALVO_FLATTEN void find_contacts(std::size_t group) {
     constexpr std::size_t most = 64;
-    for (std::size_t start = first; start < last; start += most) {
+    const std::size_t last = pass_.first_slot[group + 1];
+    for (std::size_t start = pass_.first_slot[group]; start < last; start += most) {
       const std::size_t count = std::min(most, last - start);
-      std::uint16_t touching[most];
-      std::uint64_t wanted = 0;
-      for (std::size_t n = 0; n < count; ++n) {
-        const std::uint32_t now = bits(touch(own, start + n, lane));
-        const SlotMemory<V> memory(pass_.memory, start + n, lane);
-        touching[n] = static_cast<std::uint16_t>(now);
-        wanted |= static_cast<std::uint64_t>(now != 0 || memory.touched()) << n;
-      }
-      for (; wanted != 0; wanted &= wanted - 1) {
-        const auto n = static_cast<std::size_t>(std::countr_zero(wanted));
-        if (touching[n] != 0) {
-          meet_neighbor(own, start + n, lane, sum);
-        } else {
-          SlotMemory<V> memory(pass_.memory, start + n, lane);
-          forget(memory);
+      std::uint16_t touching[most] = {};
+      for (std::size_t lane = 0; lane < group_rows; lane += V::width) {
+        SphereV own;
+        load_place(pass_.from + group * group_rows + lane, consecutive, own);
+        for (std::size_t n = 0; n < count; ++n) {
+          const std::uint32_t now = bits(touch(own, start + n, lane));
+          touching[n] = static_cast<std::uint16_t>(touching[n] | now << lane);
         }
       }
+      for (std::size_t n = 0; n < count; ++n) pick_contacts(group, start + n, touching[n]);
     }
+  }
+
+  void pick_contacts(std::size_t group, std::size_t slot, std::uint32_t touching) {
+    std::uint32_t touched = 0;
+    if constexpr (remembers) {
+      touched = pass_.history.touching[slot];
+      pass_.history.touching[slot] = static_cast<std::uint16_t>(touching);
+    }
+    std::size_t count = batch_.count;
+    for (std::uint32_t left = touching | touched; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      const std::int32_t other = pass_.neighbor[slot * group_rows + lane];
+      batch_.own[count] = static_cast<std::int32_t>(group * group_rows + lane);
+      batch_.other[count] = other;
+      if constexpr (sizeof(T) == 8) __builtin_prefetch(pass_.from[other].velocity);
+      if constexpr (remembers) {
+        const std::uint32_t held = touched >> lane & 1;
+        for (std::size_t c = 0; c < history_columns; ++c) {
+          const T* kept = pass_.history.before + c * pass_.history.count_before + remembered_;
+          batch_.history[c][count] = held != 0 ? *kept : T(0);
+        }
+        remembered_ += held;
+      }
+      count += touching >> lane & 1;
+    }
+    batch_.count = count;
+    if (count > Batch::room - group_rows) meet_batch();
+  }
+
+  // What the contacts found so far do to the rows.
+  SALVO_FLATTEN void meet_batch() {
+    if (batch_.count == 0) return;
+    batch_.fill_up();
+    for (std::size_t n = 0; n < batch_.count; n += V::width) meet_contacts(n);
+    for (std::size_t n = 0; n < batch_.count; ++n) {
+      T* sum = sums_ + (static_cast<std::size_t>(batch_.own[n]) - first_row_) * results;
+      const T* result = batch_.result + n * results;
+      for (std::size_t k = 0; k < results; ++k) sum[k] += result[k];
+    }
+    if constexpr (remembers) {
+      for (std::size_t c = 0; c < history_columns; ++c) {
+        T* to = pass_.history.after + c * pass_.history.room + pass_.history.count;
+        for (std::size_t n = 0; n < batch_.count; ++n) to[n] = batch_.history[c][n];
+      }
+      pass_.history.count += batch_.count;
+    }
+    batch_.count = 0;
+  }
+
+  void keep(const Sum<V>& sum, std::size_t n) {
+    T* to = batch_.result + n * results;
+    const auto quad = [&](Vec3<V> x, V fourth) {
+      kernels::store_quad<results>(Quad<V>{x.x, x.y, x.z, fourth}, to);
+      to += 4;
+    };
+    if constexpr (Counting) {
+      quad({V(0), V(0), V(0)}, sum.approaches);
+    } else {
+      quad(sum.force, sum.damping_loss);
+      if constexpr (results > 4) quad(sum.torque, sum.slip_loss);
+      if constexpr (results > 8) quad(sum.shift, V(0));
+    }
+  }
+  Sum<V> sum_of(std::size_t row) const {
+    const T* from = sums_ + (row - first_row_) * results;
+    const auto quad = [&](Vec3<V>& x, V& fourth) {
+      const auto q = kernels::load_quad<results>(from, consecutive, static_cast<const V*>(nullptr));
+      x = {q[0], q[1], q[2]};
+      fourth = q[3];
+      from += 4;
+    };
+    Sum<V> sum;
+    V none(0);
+    if constexpr (Counting) {
+      quad(sum.force, sum.approaches);
+    } else {
+      quad(sum.force, sum.damping_loss);
+      if constexpr (results > 4) quad(sum.torque, sum.slip_loss);
+      if constexpr (results > 8) quad(sum.shift, none);
+    }
+    return sum;
   }
 
   Mask touch(const SphereV& own, std::size_t slot, std::size_t lane) const {
     SphereV other;
     load_place(pass_.from, pass_.neighbor + slot * group_rows + lane, other);
-    return reaches(own, other, offset_between(own, other));
+    // A radius that is no radius is so negative that its square's sign decides.
+    const V reach = own.radius + other.radius;
+    return norm_squared(offset_between(own, other)) < reach * abs(reach);
   }
   static Vec3<V> offset_between(const SphereV& own, const SphereV& other) {
     return (own.position - other.position) + (own.residual - other.residual);
   }
-  // A radius that is no radius is so negative that its square's sign decides.
-  static Mask reaches(const SphereV& own, const SphereV& other, Vec3<V> offset) {
-    const V reach = own.radius + other.radius;
-    return norm_squared(offset) < reach * abs(reach);
-  }
 
-  // The neighbors of one slot, some of which touch.
-  void meet_neighbor(const SphereV& own, std::size_t slot, std::size_t lane, Sum<V>& sum) {
-    const std::int32_t* index = pass_.neighbor + slot * group_rows + lane;
+  // A pack of contacts.
+  void meet_contacts(std::size_t first) {
+    SphereV own;
     SphereV other;
-    load_place(pass_.from, index, other);
-    load_motion(pass_.from, index, other);
+    load_place(pass_.from, batch_.own + first, own);
+    load_motion(pass_.from, batch_.own + first, own);
+    load_place(pass_.from, batch_.other + first, other);
+    load_motion(pass_.from, batch_.other + first, other);
     const Vec3<V> offset = offset_between(own, other);
-    const Mask touching = reaches(own, other, offset);
-    SlotMemory<V> memory(pass_.memory, slot, lane);
     const V reach = own.radius + other.radius;
     const V distance = norm(offset);
     kernels::SphereContact<V> contact;
@@ -278,13 +401,20 @@ class Step {
       pair.damping = law_.damping(pair.mass, between_.damping_ratio);
     }
     if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * pair.radius;
+    BatchMemory<V, Batch> memory(batch_, first);
+    const Mask touching(true);
+    Sum<V> sum;
     if constexpr (Law::impulsive) {
       V others(1);
-      if constexpr (!Counting) others = V::gather(pass_.approaches, index);
+      if constexpr (!Counting) {
+        own_approaches_ = V::gather(pass_.approaches, batch_.own + first);
+        others = V::gather(pass_.approaches, batch_.other + first);
+      }
       strike(contact, pair, between_, touching, memory, others, own.mass, V(0.5), sum);
     } else {
       add(contact, pair, between_, touching, memory, V(0.5), sum);
     }
+    keep(sum, first);
   }
 
   void meet_walls(const SphereV& own, std::size_t group, std::size_t lane, Sum<V>& sum) {
@@ -394,9 +524,9 @@ class Step {
   }
 
   // `share`: the part of the losses that this sphere stands for.
+  template <class Memory>
   void add(const kernels::SphereContact<V>& contact, const kernels::ContactPair<V>& pair,
-           const Surfaces<V>& surfaces, Mask touching, SlotMemory<V>& memory, V share,
-           Sum<V>& sum) {
+           const Surfaces<V>& surfaces, Mask touching, Memory& memory, V share, Sum<V>& sum) {
     using Spring = kernels::SlipSpring<V>;
     const Vec3<V> nothing{V(0), V(0), V(0)};
     const auto springs = law_.at(contact.overlap, pair);
@@ -437,9 +567,10 @@ class Step {
   // partner each counts as one of the larger number: what a row gets is a weighted mean of its
   // impulses, and as kinetic energy is convex, all together never add any. Momentum stays, because
   // both partners take the same weight.
+  template <class Memory>
   void strike(const kernels::SphereContact<V>& contact, const kernels::ContactPair<V>& pair,
-              const Surfaces<V>& surfaces, Mask touching, SlotMemory<V>& memory, V others, V mass,
-              V share, Sum<V>& sum) {
+              const Surfaces<V>& surfaces, Mask touching, Memory& memory, V others, V mass, V share,
+              Sum<V>& sum) {
     const V apart = dot(contact.velocity, contact.normal);
     const Mask strikes = touching & (apart < V(0));
     if constexpr (Counting) {
@@ -576,6 +707,11 @@ class Step {
   const Vec3<V> lowest_;
   const Vec3<V> highest_;
   V longest_{0};
+
+  Batch batch_;
+  std::size_t remembered_ = 0;  // contacts of the last step that were passed
+  std::size_t first_row_ = 0;   // of the chunk
+  alignas(64) T sums_[chunk_groups * group_rows * results];
 };
 
 template <class V>

@@ -43,10 +43,22 @@ inline constexpr double no_radius = -1e30;
 /// Where the record that fills up lists is: no overlap, and squares that do not overflow.
 inline constexpr double nowhere_position = 1e18;
 
-/// What the slots of a list remember, slot after slot: which rows touched at the last step, as
-/// bits, and three packs of 16 for each displacement. Null where the law needs none.
+/// The displacements that the contacts of a task remember, as columns: three numbers, six where
+/// rolling resists. Contacts follow one another by slots and, within one, by lanes.
 template <class T>
-struct ContactMemory {
+struct ContactHistory {
+  std::uint16_t* touching = nullptr;  // which lanes of a slot touched at the last step; null: none
+  const T* before = nullptr;          // columns of `count_before`
+  std::size_t count_before = 0;
+  T* after = nullptr;  // columns of `room`, at least one for each entry of the lists
+  std::size_t room = 0;
+  std::size_t count = 0;  ///< a result: contacts after the step
+};
+
+/// What the slots of the walls remember: which rows touched at the last step, as bits, and three
+/// packs of 16 for each displacement. Null where the law needs none.
+template <class T>
+struct WallMemory {
   std::uint16_t* touching = nullptr;
   T* tangential = nullptr;
   T* rolling = nullptr;
@@ -75,10 +87,10 @@ struct ContactPass {
   SphereRecord<T>* to = nullptr;
   const std::uint64_t* first_slot = nullptr;  // of each group and, last, their number
   const std::int32_t* neighbor = nullptr;     // rows, slot after slot of 16
-  ContactMemory<T> memory;
+  ContactHistory<T> history;
   const std::uint64_t* first_wall_slot = nullptr;  // likewise
   const std::uint32_t* wall_part = nullptr;        // one for all rows of a slot
-  ContactMemory<T> wall_memory;
+  WallMemory<T> wall_memory;
   std::span<const Wall> walls;
   std::span<const WallPart> wall_parts;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -103,23 +104,63 @@ struct Remembered {
   }
 };
 
-// Lists of one kind of partner.
+// Numbers that a contact remembers.
+std::size_t history_columns(const models::ContactLaw& law) {
+  return law.rolls() ? 6 : law.remembers() ? 3 : 0;
+}
+
+// What the contacts of one task remember, as columns in the order of the slots and lanes.
 template <class T>
-struct Lists {
+struct TaskHistory {
+  std::vector<T> numbers;
+  std::size_t contacts = 0;
+
+  void resize(std::size_t count, std::size_t columns) {
+    if (count * columns > numbers.capacity()) {
+      numbers = {};
+      numbers.reserve(columns * (count + count / 8 + 1));
+    }
+    numbers.resize(columns * count);
+    contacts = count;
+  }
+};
+
+// Lists of particles.
+template <class T>
+struct NeighborLists {
   Array<std::uint64_t> first_slot;  // of each group, and their number
   Array<std::uint16_t> touching;
-  Array<T> tangential;
-  Array<T> rolling;
+  std::vector<TaskHistory<T>> history;
 
   std::size_t slots() const {
     return first_slot.size() == 0 ? 0 : first_slot[first_slot.size() - 1];
   }
   void make_room(const models::ContactLaw& law) {
     touching.resize(slots());
-    const std::size_t numbers = slots() * 3 * group_rows;
+    if (law.remembers()) history.resize(tasks_of(first_slot.size() - 1, groups_per_task));
+  }
+  std::size_t resident_bytes() const {
+    std::size_t bytes = first_slot.resident_bytes() + touching.resident_bytes();
+    for (const auto& task : history) bytes += task.numbers.capacity() * sizeof(T);
+    return bytes;
+  }
+};
+
+// Lists of walls.
+template <class T>
+struct WallLists {
+  Array<std::uint64_t> first_slot;  // of each group, and their number
+  Array<std::uint16_t> touching;
+  Array<T> tangential;
+  Array<T> rolling;
+
+  void make_room(std::size_t slots, const models::ContactLaw& law) {
+    touching.resize(slots);
+    const std::size_t numbers = slots * 3 * group_rows;
     if (law.remembers()) tangential.resize(numbers);
     if (law.rolls()) rolling.resize(numbers);
   }
+  // The kernel reads the slot of all lanes when one of them touched.
   void clear_slot(std::size_t slot, const models::ContactLaw& law) {
     constexpr std::size_t numbers = 3 * group_rows;
     const auto clear = [&](Array<T>& column) {
@@ -128,7 +169,7 @@ struct Lists {
     if (law.remembers()) clear(tangential);
     if (law.rolls()) clear(rolling);
   }
-  ContactMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
+  WallMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
   std::size_t resident_bytes() const {
     return first_slot.resident_bytes() + touching.resident_bytes() + tangential.resident_bytes() +
            rolling.resident_bytes();
@@ -181,9 +222,13 @@ class Solver final : public ContactSolver {
   void lay_out_walls();
   void move_rows();
   void collect();
-  void collect_row(std::size_t row, std::size_t entry);
-  std::size_t count_row(std::size_t row) const;
-  void recall(std::size_t row, std::size_t source);
+  void recall();
+  void recall_row(std::size_t group, std::size_t lane, std::uint32_t* entries);
+  // Calls visit(slot, lane) for the contacts of a group, slots ascending.
+  template <class Visit>
+  void for_contacts(std::size_t group, const Visit& visit) const;
+  template <class Visit>
+  void for_wall_contacts(std::size_t group, const Visit& visit) const;
   void find_bad(std::int64_t step, bool remove);
   template <class Number>
   void permute(Array<Number>& column, Number padding);
@@ -217,9 +262,9 @@ class Solver final : public ContactSolver {
   double wall_path_ = 0;       // m, of the walls since the lists were built
   double longest_path_ = 0;    // m, of the particles
   std::int64_t list_age_ = 0;  // steps
-  Lists<T> near_;
+  NeighborLists<T> near_;
   Array<std::int32_t> neighbor_;
-  Lists<T> wall_lists_;
+  WallLists<T> wall_lists_;
   Array<std::uint32_t> wall_;
   Remembered<T> remembered_;
   bool remembering_ = false;  // the lists' memory is in remembered_
@@ -378,7 +423,6 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   whole.to = records_[1].data();
   whole.first_slot = near_.first_slot.data();
   whole.neighbor = neighbor_.data();
-  whole.memory = near_.memory();
   whole.first_wall_slot = wall_lists_.first_slot.data();
   whole.wall_part = wall_.data();
   whole.wall_memory = wall_lists_.memory();
@@ -423,12 +467,34 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
       }
     });
   }
+  const std::size_t columns = history_columns(law());
   parallel_.for_each(tasks, [&](std::size_t task) {
     ContactPass<T> pass = part(task);
+    // What the contacts remember afterwards: as many as there are neighbors, at most.
+    thread_local std::vector<T> after;
+    if (columns > 0) {
+      const TaskHistory<T>& before = near_.history[task];
+      const std::size_t slots =
+          near_.first_slot[pass.last_group] - near_.first_slot[pass.first_group];
+      pass.history.touching = near_.touching.data();
+      pass.history.before = before.numbers.data();
+      pass.history.count_before = before.contacts;
+      pass.history.room = slots * group_rows;
+      if (after.size() < columns * pass.history.room) after.resize(columns * pass.history.room);
+      pass.history.after = after.data();
+    }
     if constexpr (sizeof(T) == 4) {
       kernels_.advance_float32(pass);
     } else {
       kernels_.advance_float64(pass);
+    }
+    if (columns > 0) {
+      TaskHistory<T>& history = near_.history[task];
+      history.resize(pass.history.count, columns);
+      for (std::size_t c = 0; c < columns; ++c) {
+        std::copy_n(after.data() + c * pass.history.room, pass.history.count,
+                    history.numbers.data() + c * pass.history.count);
+      }
     }
     results_[task] = {pass.longest_path, pass.steps_taken, pass.bad};
   });
@@ -497,9 +563,7 @@ void Solver<T>::build_lists() {
     place_rows();
     lay_out_neighbors();
     lay_out_walls();
-    for_rows([&](std::size_t first, std::size_t last) {
-      for (std::size_t row = first; row < last; ++row) recall(row, source_[row]);
-    });
+    recall();
   }
   {
     const Stopwatch watch(profile_.sort_seconds);
@@ -707,7 +771,7 @@ void Solver<T>::lay_out_walls() {
     slots += counts[group];
   }
   wall_lists_.first_slot[groups] = slots;
-  wall_lists_.make_room(law());
+  wall_lists_.make_room(slots, law());
   wall_.resize(slots);
   std::uint32_t* to = wall_.data();
   for (const auto& walls : found) to = std::copy(walls.begin(), walls.end(), to);
@@ -746,100 +810,148 @@ void Solver<T>::move_rows() {
 
 // ---- memory of the contacts ---------------------------------------------------------------------
 
-// Calls visit(partner, slot of which lists) for each contact of a row, partners ascending.
 template <class T>
-std::size_t Solver<T>::count_row(std::size_t row) const {
-  const std::size_t group = row / group_rows;
-  const std::size_t lane = row % group_rows;
-  std::size_t count = 0;
-  for (const Lists<T>* lists : {&near_, &wall_lists_}) {
-    for (std::size_t slot = lists->first_slot[group]; slot < lists->first_slot[group + 1]; ++slot) {
-      count += lists->touching[slot] >> lane & 1;
+template <class Visit>
+void Solver<T>::for_contacts(std::size_t group, const Visit& visit) const {
+  for (std::size_t slot = near_.first_slot[group]; slot < near_.first_slot[group + 1]; ++slot) {
+    for (std::uint32_t left = near_.touching[slot]; left != 0; left &= left - 1) {
+      visit(slot, static_cast<std::size_t>(std::countr_zero(left)));
     }
   }
-  return count;
 }
 
 template <class T>
-void Solver<T>::collect_row(std::size_t row, std::size_t entry) {
-  const std::size_t group = row / group_rows;
-  const std::size_t lane = row % group_rows;
-  const auto copy = [&](const Lists<T>& lists, std::size_t slot) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t from = (slot * 3 + c) * group_rows + lane;
-      if (law().remembers()) remembered_.tangential[3 * entry + c] = lists.tangential[from];
-      if (law().rolls()) remembered_.rolling[3 * entry + c] = lists.rolling[from];
-    }
-  };
-  for (std::size_t slot = near_.first_slot[group]; slot < near_.first_slot[group + 1]; ++slot) {
-    if ((near_.touching[slot] >> lane & 1) == 0) continue;
-    const auto other = static_cast<std::size_t>(neighbor_[slot * group_rows + lane]);
-    remembered_.partner[entry] = rank_[other];
-    copy(near_, slot);
-    ++entry;
-  }
+template <class Visit>
+void Solver<T>::for_wall_contacts(std::size_t group, const Visit& visit) const {
   for (std::size_t slot = wall_lists_.first_slot[group]; slot < wall_lists_.first_slot[group + 1];
        ++slot) {
-    if ((wall_lists_.touching[slot] >> lane & 1) == 0) continue;
-    remembered_.partner[entry] = wall_flag | wall_[slot];
-    copy(wall_lists_, slot);
-    ++entry;
+    for (std::uint32_t left = wall_lists_.touching[slot]; left != 0; left &= left - 1) {
+      visit(slot, static_cast<std::size_t>(std::countr_zero(left)));
+    }
   }
 }
 
 // Moves the memory of the contacts out of the lists, in the order of the rows.
 template <class T>
 void Solver<T>::collect() {
-  remembered_.first.resize(rows_ + 1);
-  for_rows([&](std::size_t first, std::size_t last) {
-    for (std::size_t row = first; row < last; ++row) {
-      remembered_.first[row] = static_cast<std::uint32_t>(count_row(row));
+  remembering_ = true;
+  if (!law().remembers()) return;
+  Remembered<T>& r = remembered_;
+  r.first.resize(rows_ + 1);
+  const std::size_t groups = rows_ / group_rows;
+  const std::size_t tasks = tasks_of(groups, groups_per_task);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    for (std::size_t group = task * groups_per_task;
+         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
+      std::uint32_t* counts = r.first.data() + group * group_rows;
+      std::fill_n(counts, group_rows, 0U);
+      const auto count = [&](std::size_t, std::size_t lane) { ++counts[lane]; };
+      for_contacts(group, count);
+      for_wall_contacts(group, count);
     }
   });
   std::uint32_t entries = 0;
-  for (std::size_t row = 0; row < rows_; ++row) {
-    entries += std::exchange(remembered_.first[row], entries);
-  }
-  remembered_.first[rows_] = entries;
-  remembered_.resize_entries(entries, law());
-  for_rows([&](std::size_t first, std::size_t last) {
-    for (std::size_t row = first; row < last; ++row) collect_row(row, remembered_.first[row]);
+  for (std::size_t row = 0; row < rows_; ++row) entries += std::exchange(r.first[row], entries);
+  r.first[rows_] = entries;
+  r.resize_entries(entries, law());
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    const TaskHistory<T>& history = near_.history[task];
+    std::size_t contact = 0;
+    for (std::size_t group = task * groups_per_task;
+         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
+      std::array<std::uint32_t, group_rows> next;
+      std::copy_n(r.first.data() + group * group_rows, group_rows, next.data());
+      for_contacts(group, [&](std::size_t slot, std::size_t lane) {
+        const std::size_t entry = next[lane]++;
+        r.partner[entry] = rank_[static_cast<std::size_t>(neighbor_[slot * group_rows + lane])];
+        const T* from = history.numbers.data() + contact;
+        for (std::size_t c = 0; c < 3; ++c) {
+          r.tangential[3 * entry + c] = from[c * history.contacts];
+          if (law().rolls()) r.rolling[3 * entry + c] = from[(3 + c) * history.contacts];
+        }
+        ++contact;
+      });
+      for_wall_contacts(group, [&](std::size_t slot, std::size_t lane) {
+        const std::size_t entry = next[lane]++;
+        r.partner[entry] = wall_flag | wall_[slot];
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::size_t from = (slot * 3 + c) * group_rows + lane;
+          r.tangential[3 * entry + c] = wall_lists_.tangential[from];
+          if (law().rolls()) r.rolling[3 * entry + c] = wall_lists_.rolling[from];
+        }
+      });
+    }
   });
 }
 
-// Puts back into the lists of a new row what its contacts remember. Lists and memories both ascend.
+// Puts back into the new lists what the contacts remember. Lists and memories both ascend.
 template <class T>
-void Solver<T>::recall(std::size_t row, std::size_t source) {
-  const std::size_t group = row / group_rows;
-  const std::size_t lane = row % group_rows;
-  std::uint64_t slot = near_.first_slot[group];
-  std::uint64_t wall_slot = wall_lists_.first_slot[group];
-  const auto put = [&](Lists<T>& lists, std::size_t at, std::size_t entry) {
-    // The kernel reads the slot of all lanes when one of them touched.
-    if (lists.touching[at] == 0) lists.clear_slot(at, law());
-    lists.touching[at] = static_cast<std::uint16_t>(lists.touching[at] | 1U << lane);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t to = (at * 3 + c) * group_rows + lane;
-      if (law().remembers()) lists.tangential[to] = remembered_.tangential[3 * entry + c];
-      if (law().rolls()) lists.rolling[to] = remembered_.rolling[3 * entry + c];
+void Solver<T>::recall() {
+  if (!law().remembers()) return;
+  const std::size_t groups = rows_ / group_rows;
+  parallel_.for_each(tasks_of(groups, groups_per_task), [&](std::size_t task) {
+    constexpr std::uint32_t nobody = ~std::uint32_t{0};
+    std::vector<std::uint32_t> entries;   // of what is remembered, by slot and lane
+    std::vector<std::uint32_t> contacts;  // of the task, in the order of the slots
+    for (std::size_t group = task * groups_per_task;
+         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
+      const std::size_t first_slot = near_.first_slot[group];
+      entries.assign((near_.first_slot[group + 1] - first_slot) * group_rows, nobody);
+      for (std::size_t lane = 0; lane < group_rows; ++lane) {
+        recall_row(group, lane, entries.data());
+      }
+      for_contacts(group, [&](std::size_t slot, std::size_t lane) {
+        contacts.push_back(entries[(slot - first_slot) * group_rows + lane]);
+      });
     }
-  };
-  for (std::size_t entry = remembered_.first[source]; entry < remembered_.first[source + 1];
+    TaskHistory<T>& history = near_.history[task];
+    history.resize(contacts.size(), history_columns(law()));
+    for (std::size_t contact = 0; contact < contacts.size(); ++contact) {
+      T* to = history.numbers.data() + contact;
+      const std::size_t from = 3 * std::size_t{contacts[contact]};
+      for (std::size_t c = 0; c < 3; ++c) {
+        to[c * history.contacts] = remembered_.tangential[from + c];
+        if (law().rolls()) to[(3 + c) * history.contacts] = remembered_.rolling[from + c];
+      }
+    }
+  });
+}
+
+// Marks the contacts of a row in the lists and says which entry of what is remembered is whose.
+template <class T>
+void Solver<T>::recall_row(std::size_t group, std::size_t lane, std::uint32_t* entries) {
+  const std::uint64_t first_slot = near_.first_slot[group];
+  const std::uint64_t last_slot = near_.first_slot[group + 1];
+  const std::uint64_t last_wall_slot = wall_lists_.first_slot[group + 1];
+  std::uint64_t slot = first_slot;
+  std::uint64_t wall_slot = wall_lists_.first_slot[group];
+  const std::size_t source = source_[group * group_rows + lane];
+  for (std::uint32_t entry = remembered_.first[source]; entry < remembered_.first[source + 1];
        ++entry) {
     const std::uint32_t partner = remembered_.partner[entry];
+    const auto mark = [&](Array<std::uint16_t>& touching, std::uint64_t at) {
+      touching[at] = static_cast<std::uint16_t>(touching[at] | 1U << lane);
+    };
     if ((partner & wall_flag) == 0) {
       const auto rank_at = [&](std::uint64_t s) {
         const auto other = static_cast<std::size_t>(neighbor_[s * group_rows + lane]);
         return other == rows_ ? wall_flag : new_rank_[other];
       };
-      while (slot < near_.first_slot[group + 1] && rank_at(slot) < partner) ++slot;
-      if (slot == near_.first_slot[group + 1] || rank_at(slot) != partner) continue;
-      put(near_, slot, entry);
+      while (slot < last_slot && rank_at(slot) < partner) ++slot;
+      if (slot == last_slot || rank_at(slot) != partner) continue;
+      mark(near_.touching, slot);
+      entries[(slot - first_slot) * group_rows + lane] = entry;
     } else {
       const std::uint32_t wall = partner & ~wall_flag;
-      while (wall_slot < wall_lists_.first_slot[group + 1] && wall_[wall_slot] < wall) ++wall_slot;
-      if (wall_slot == wall_lists_.first_slot[group + 1] || wall_[wall_slot] != wall) continue;
-      put(wall_lists_, wall_slot, entry);
+      while (wall_slot < last_wall_slot && wall_[wall_slot] < wall) ++wall_slot;
+      if (wall_slot == last_wall_slot || wall_[wall_slot] != wall) continue;
+      if (wall_lists_.touching[wall_slot] == 0) wall_lists_.clear_slot(wall_slot, law());
+      mark(wall_lists_.touching, wall_slot);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t to = (wall_slot * 3 + c) * group_rows + lane;
+        wall_lists_.tangential[to] = remembered_.tangential[3 * entry + c];
+        if (law().rolls()) wall_lists_.rolling[to] = remembered_.rolling[3 * entry + c];
+      }
     }
   }
 }
