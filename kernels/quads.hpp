@@ -195,35 +195,5 @@ template <std::size_t Stride>
 }
 #endif
 
-/// Records in a row of four quads each.
-template <class V>
-[[gnu::always_inline]] inline void store_records(const std::array<Quad<V>, 4>& quads,
-                                                 typename V::Real* to) {
-  for (std::size_t k = 0; k < 4; ++k) store_quad<16>(quads[k], to + 4 * k);
-}
-#if defined(SALVO_ISA_avx512)
-/// A record is one line, and is written at once.
-[[gnu::always_inline]] inline void store_records(
-    const std::array<Quad<Lane<float, Avx512>>, 4>& quads, float* to) {
-  std::array<std::array<__m512, 4>, 4> r;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const auto& q = quads[k];
-    r[k] = quad_transposed(q[0].batch(), q[1].batch(), q[2].batch(), q[3].batch());
-  }
-  // Each register now holds a quad of the records i, i + 4, i + 8 and i + 12.
-  for (std::size_t i = 0; i < 4; ++i) {
-    const __m512 low = _mm512_shuffle_f32x4(r[0][i], r[1][i], 0x44);
-    const __m512 high = _mm512_shuffle_f32x4(r[0][i], r[1][i], 0xee);
-    const __m512 next_low = _mm512_shuffle_f32x4(r[2][i], r[3][i], 0x44);
-    const __m512 next_high = _mm512_shuffle_f32x4(r[2][i], r[3][i], 0xee);
-    float* record = to + i * 16;
-    _mm512_store_ps(record, _mm512_shuffle_f32x4(low, next_low, 0x88));
-    _mm512_store_ps(record + 4 * 16, _mm512_shuffle_f32x4(low, next_low, 0xdd));
-    _mm512_store_ps(record + 8 * 16, _mm512_shuffle_f32x4(high, next_high, 0x88));
-    _mm512_store_ps(record + 12 * 16, _mm512_shuffle_f32x4(high, next_high, 0xdd));
-  }
-}
-#endif
-
 }  // namespace SALVO_ISA
 }  // namespace salvo::kernels

@@ -28,51 +28,51 @@ struct Sphere {
   V radius, mass, path;
 };
 
-// A record as the numbers that it is.
-template <class T>
-const T* numbers_of(const SphereRecord<T>* rows) {
-  return reinterpret_cast<const T*>(rows);
+constexpr std::size_t place_numbers = 4;
+constexpr std::size_t motion_numbers = 12;
+
+// Quad number `quad` of some rows.
+template <class V, std::size_t Numbers, class Row>
+[[gnu::always_inline]] inline Quad<V> load(const Row* rows, const std::int32_t* index,
+                                           std::size_t quad = 0) {
+  static_assert(sizeof(Row) == Numbers * sizeof(typename V::Real));
+  return kernels::load_quad<Numbers>(reinterpret_cast<const typename V::Real*>(rows) + 4 * quad,
+                                     index, static_cast<const V*>(nullptr));
 }
-template <class T>
-T* numbers_of(SphereRecord<T>* rows) {
-  return reinterpret_cast<T*>(rows);
+template <std::size_t Numbers, class V, class Row>
+[[gnu::always_inline]] inline void store(const Quad<V>& numbers, Row* rows, std::size_t quad = 0) {
+  static_assert(sizeof(Row) == Numbers * sizeof(typename V::Real));
+  kernels::store_quad<Numbers>(numbers, reinterpret_cast<typename V::Real*>(rows) + 4 * quad);
 }
 
 template <class V>
-[[gnu::always_inline]] inline Quad<V> quad(const SphereRecord<typename V::Real>* rows,
-                                           const std::int32_t* index, std::size_t first) {
-  return kernels::load_quad<record_numbers>(numbers_of(rows) + first, index,
-                                            static_cast<const V*>(nullptr));
-}
-
-template <class V>
-[[gnu::always_inline]] inline void load_place(const SphereRecord<typename V::Real>* rows,
+[[gnu::always_inline]] inline void load_place(const SpherePlace<typename V::Real>* rows,
                                               const std::int32_t* index, Sphere<V>& sphere) {
-  const Quad<V> place = quad<V>(rows, index, 0);
-  const Quad<V> rest = quad<V>(rows, index, 4);
+  const Quad<V> place = load<V, place_numbers>(rows, index);
   sphere.position = {place[0], place[1], place[2]};
   sphere.radius = place[3];
-  sphere.residual = {rest[0], rest[1], rest[2]};
-  sphere.mass = rest[3];
 }
 
 template <class V>
-[[gnu::always_inline]] inline void load_motion(const SphereRecord<typename V::Real>* rows,
+[[gnu::always_inline]] inline void load_motion(const SphereMotion<typename V::Real>* rows,
                                                const std::int32_t* index, Sphere<V>& sphere) {
-  const Quad<V> velocity = quad<V>(rows, index, 8);
-  const Quad<V> spin = quad<V>(rows, index, 12);
+  const Quad<V> rest = load<V, motion_numbers>(rows, index);
+  const Quad<V> velocity = load<V, motion_numbers>(rows, index, 1);
+  const Quad<V> spin = load<V, motion_numbers>(rows, index, 2);
+  sphere.residual = {rest[0], rest[1], rest[2]};
+  sphere.mass = rest[3];
   sphere.velocity = {velocity[0], velocity[1], velocity[2]};
   sphere.path = velocity[3];
   sphere.spin = {spin[0], spin[1], spin[2]};
 }
 
-template <class V>
-void store(const Sphere<V>& s, SphereRecord<typename V::Real>* rows) {
-  const std::array<Quad<V>, 4> quads = {Quad<V>{s.position.x, s.position.y, s.position.z, s.radius},
-                                        Quad<V>{s.residual.x, s.residual.y, s.residual.z, s.mass},
-                                        Quad<V>{s.velocity.x, s.velocity.y, s.velocity.z, s.path},
-                                        Quad<V>{s.spin.x, s.spin.y, s.spin.z, V(0)}};
-  kernels::store_records(quads, numbers_of(rows));
+template <class V, class T>
+void store(const Sphere<V>& s, SpherePlace<T>* place, SphereMotion<T>* motion) {
+  const auto quad = [](Vec3<V> x, V fourth) { return Quad<V>{x.x, x.y, x.z, fourth}; };
+  store<place_numbers>(quad(s.position, s.radius), place);
+  store<motion_numbers>(quad(s.residual, s.mass), motion);
+  store<motion_numbers>(quad(s.velocity, s.path), motion, 1);
+  store<motion_numbers>(quad(s.spin, V(0)), motion, 2);
 }
 
 // The memory of one slot of walls for the lanes of a pack.
@@ -119,8 +119,8 @@ class SlotMemory {
   T* rolling_;
 };
 
-// Contacts of some rows, to be met a pack at a time: slot after slot, so that those of a row are in
-// ascending order of their partners.
+// What may touch some rows, to be met a pack at a time: slot after slot, so that the partners of a
+// row ascend.
 template <class T, std::size_t HistoryColumns, std::size_t Results>
 struct ContactBatch {
   static constexpr std::size_t room = 256;
@@ -129,13 +129,15 @@ struct ContactBatch {
   std::size_t count = 0;
   alignas(64) std::int32_t own[rows];
   alignas(64) std::int32_t other[rows];
+  std::uint64_t slot[rows];
+  std::uint32_t touching[rows];  // of the pack that begins at a row, as bits
   alignas(64) T history[HistoryColumns][rows];
   alignas(64) T result[rows * Results];
 
   // Packs are whole: what fills up the last one repeats the last contact, and nobody reads what
   // comes of it.
   void fill_up() {
-    for (std::size_t n = count; n < (count + group_rows - 1) / group_rows * group_rows; ++n) {
+    for (std::size_t n = count; n % group_rows != 0; ++n) {
       own[n] = own[count - 1];
       other[n] = other[count - 1];
       for (auto& column : history) column[n] = column[count - 1];
@@ -245,14 +247,14 @@ class Step {
     const std::int32_t* end = pass_.neighbor + pass_.first_slot[group + 1] * group_rows;
     for (const std::int32_t* index = pass_.neighbor + pass_.first_slot[group] * group_rows;
          index < end; ++index) {
-      __builtin_prefetch(pass_.from[*index].position);
+      __builtin_prefetch(pass_.from.place + *index);
     }
   }
 
   void advance_pack(std::size_t row) {
     SphereV own;
-    load_place(pass_.from + row, consecutive, own);
-    load_motion(pass_.from + row, consecutive, own);
+    load_place(pass_.from.place + row, consecutive, own);
+    load_motion(pass_.from.motion + row, consecutive, own);
     Sum<V> sum = sum_of(row);
     if constexpr (Law::impulsive && !Counting) own_approaches_ = V::load(pass_.approaches + row);
     if (!pass_.walls.empty()) meet_walls(own, row / group_rows, row % group_rows, sum);
@@ -263,40 +265,58 @@ class Step {
     }
   }
 
-  // First who touches, for many slots in one go without a branch; then the contacts are picked out
-  // of them: most of what is near does not touch, and a pack is to be full of what does.
+  // First who may touch, by their places alone and for many slots in one go without a branch; then
+  // those are picked out: most of what is near does not touch, and a pack is to be full of what
+  // does.
   SALVO_FLATTEN void find_contacts(std::size_t group) {
     constexpr std::size_t most = 64;
     const std::size_t last = pass_.first_slot[group + 1];
     for (std::size_t start = pass_.first_slot[group]; start < last; start += most) {
       const std::size_t count = std::min(most, last - start);
-      std::uint16_t touching[most] = {};
+      std::uint16_t near[most] = {};
       for (std::size_t lane = 0; lane < group_rows; lane += V::width) {
         SphereV own;
-        load_place(pass_.from + group * group_rows + lane, consecutive, own);
+        load_place(pass_.from.place + group * group_rows + lane, consecutive, own);
+        const V slack =
+            (abs(own.position.x) + abs(own.position.y) + abs(own.position.z)) * V(rounding);
         for (std::size_t n = 0; n < count; ++n) {
-          const std::uint32_t now = bits(touch(own, start + n, lane));
-          touching[n] = static_cast<std::uint16_t>(touching[n] | now << lane);
+          const std::uint32_t now = bits(may_touch(own, slack, start + n, lane));
+          near[n] = static_cast<std::uint16_t>(near[n] | now << lane);
         }
       }
-      for (std::size_t n = 0; n < count; ++n) pick_contacts(group, start + n, touching[n]);
+      for (std::size_t n = 0; n < count; ++n) pick_contacts(group, start + n, near[n]);
     }
   }
 
-  void pick_contacts(std::size_t group, std::size_t slot, std::uint32_t touching) {
+  // Whether two touch if what rounding left out of their positions is as unfavorable as can be:
+  // half a unit in the last place of each coordinate, 2^-24 of it.
+  static constexpr double rounding = sizeof(T) == 4 ? 0x1p-21 : 0;
+  Mask may_touch(const SphereV& own, V slack, std::size_t slot, std::size_t lane) const {
+    SphereV other;
+    load_place(pass_.from.place, pass_.neighbor + slot * group_rows + lane, other);
+    V reach = own.radius + other.radius;
+    if constexpr (rounding > 0) reach = reach * V(1 + rounding) + slack;
+    return reaches(own.position - other.position, reach);
+  }
+  // A radius that is no radius is so negative that its square's sign decides.
+  static Mask reaches(Vec3<V> offset, V reach) { return norm_squared(offset) < reach * abs(reach); }
+
+  void pick_contacts(std::size_t group, std::size_t slot, std::uint32_t near) {
     std::uint32_t touched = 0;
     if constexpr (remembers) {
       touched = pass_.history.touching[slot];
-      pass_.history.touching[slot] = static_cast<std::uint16_t>(touching);
+      pass_.history.touching[slot] = 0;
     }
     std::size_t count = batch_.count;
-    for (std::uint32_t left = touching | touched; left != 0; left &= left - 1) {
+    for (std::uint32_t left = near | touched; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       const std::int32_t other = pass_.neighbor[slot * group_rows + lane];
       batch_.own[count] = static_cast<std::int32_t>(group * group_rows + lane);
       batch_.other[count] = other;
-      if constexpr (sizeof(T) == 8) __builtin_prefetch(pass_.from[other].velocity);
+      __builtin_prefetch(pass_.from.motion[other].residual);
+      __builtin_prefetch(pass_.from.motion[other].spin);
       if constexpr (remembers) {
+        batch_.slot[count] = slot;
         const std::uint32_t held = touched >> lane & 1;
         for (std::size_t c = 0; c < history_columns; ++c) {
           const T* kept = pass_.history.before + c * pass_.history.count_before + remembered_;
@@ -304,7 +324,7 @@ class Step {
         }
         remembered_ += held;
       }
-      count += touching >> lane & 1;
+      count += near >> lane & 1;
     }
     batch_.count = count;
     if (count > Batch::room - group_rows) meet_batch();
@@ -318,16 +338,26 @@ class Step {
     for (std::size_t n = 0; n < batch_.count; ++n) {
       T* sum = sums_ + (static_cast<std::size_t>(batch_.own[n]) - first_row_) * results;
       const T* result = batch_.result + n * results;
-      for (std::size_t k = 0; k < results; ++k) sum[k] += result[k];
+      T total[results];  // so that the compiler sees that nothing overlaps
+      for (std::size_t k = 0; k < results; ++k) total[k] = sum[k] + result[k];
+      for (std::size_t k = 0; k < results; ++k) sum[k] = total[k];
     }
-    if constexpr (remembers) {
-      for (std::size_t c = 0; c < history_columns; ++c) {
-        T* to = pass_.history.after + c * pass_.history.room + pass_.history.count;
-        for (std::size_t n = 0; n < batch_.count; ++n) to[n] = batch_.history[c][n];
-      }
-      pass_.history.count += batch_.count;
-    }
+    if constexpr (remembers) keep_history();
     batch_.count = 0;
+  }
+
+  void keep_history() {
+    ContactHistory<T>& history = pass_.history;
+    for (std::size_t n = 0; n < batch_.count; ++n) {
+      const std::uint32_t touching = batch_.touching[n / V::width * V::width] >> n % V::width & 1;
+      const std::size_t lane = static_cast<std::size_t>(batch_.own[n]) % group_rows;
+      std::uint16_t& bits = history.touching[batch_.slot[n]];
+      bits = static_cast<std::uint16_t>(bits | touching << lane);
+      for (std::size_t c = 0; c < history_columns; ++c) {
+        history.after[c * history.room + history.count] = batch_.history[c][n];
+      }
+      history.count += touching;
+    }
   }
 
   void keep(const Sum<V>& sum, std::size_t n) {
@@ -364,27 +394,18 @@ class Step {
     return sum;
   }
 
-  Mask touch(const SphereV& own, std::size_t slot, std::size_t lane) const {
-    SphereV other;
-    load_place(pass_.from, pass_.neighbor + slot * group_rows + lane, other);
-    // A radius that is no radius is so negative that its square's sign decides.
-    const V reach = own.radius + other.radius;
-    return norm_squared(offset_between(own, other)) < reach * abs(reach);
-  }
-  static Vec3<V> offset_between(const SphereV& own, const SphereV& other) {
-    return (own.position - other.position) + (own.residual - other.residual);
-  }
-
   // A pack of contacts.
   void meet_contacts(std::size_t first) {
     SphereV own;
     SphereV other;
-    load_place(pass_.from, batch_.own + first, own);
-    load_motion(pass_.from, batch_.own + first, own);
-    load_place(pass_.from, batch_.other + first, other);
-    load_motion(pass_.from, batch_.other + first, other);
-    const Vec3<V> offset = offset_between(own, other);
+    load_place(pass_.from.place, batch_.own + first, own);
+    load_motion(pass_.from.motion, batch_.own + first, own);
+    load_place(pass_.from.place, batch_.other + first, other);
+    load_motion(pass_.from.motion, batch_.other + first, other);
+    const Vec3<V> offset = (own.position - other.position) + (own.residual - other.residual);
     const V reach = own.radius + other.radius;
+    const Mask touching = reaches(offset, reach);
+    batch_.touching[first] = bits(touching);
     const V distance = norm(offset);
     kernels::SphereContact<V> contact;
     // Two centers at the same place have no direction, and no force until they part.
@@ -402,7 +423,6 @@ class Step {
     }
     if (Rolling) contact.rolling = cross(own.spin - other.spin, contact.normal) * pair.radius;
     BatchMemory<V, Batch> memory(batch_, first);
-    const Mask touching(true);
     Sum<V> sum;
     if constexpr (Law::impulsive) {
       V others(1);
@@ -665,7 +685,7 @@ class Step {
     next.velocity = select(alive, next.velocity, own.velocity);
     next.spin = select(alive, next.spin, own.spin);
     next.path = select(alive, next.path, own.path);
-    store(next, pass_.to + row);
+    store(next, pass_.to.place + row, pass_.to.motion + row);
   }
 
   void watch(const SphereV& next, Mask alive) {

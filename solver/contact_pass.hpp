@@ -3,7 +3,7 @@
 //
 // Rows are in an order of the broad phase's choice, in groups of 16 whose lists lie side by side:
 // slot s of a group holds the s-th neighbor of each of its rows, by ascending id. A row of fewer
-// neighbors has `nowhere` in the remaining slots, a record that touches nothing.
+// neighbors has `nowhere` in the remaining slots, a row that touches nothing.
 #pragma once
 
 #include <cstddef>
@@ -22,12 +22,17 @@ namespace salvo::solver {
 /// Rows whose lists lie side by side: the lanes of the widest pack.
 inline constexpr std::size_t group_rows = 16;
 
-/// What a neighbor needs of a particle, in one cache line of floats: a neighbor is anywhere, and a
-/// line that is fetched is used whole.
+/// Where a particle is: all that it takes to see that two are far from touching. Most neighbors
+/// are, and are anywhere in memory, so this is apart and small.
 template <class T>
-struct alignas(64) SphereRecord {
+struct alignas(4 * sizeof(T)) SpherePlace {
   T position[3];  // m
   T radius;       // m; negative: gone, touches nothing
+};
+
+/// What contacts need besides.
+template <class T>
+struct alignas(4 * sizeof(T)) SphereMotion {
   T residual[3];  // what rounding left out of the position, m; zero in double precision
   T mass;         // kg
   T velocity[3];  // m/s
@@ -35,12 +40,17 @@ struct alignas(64) SphereRecord {
   T spin[3];      // rad/s
   T padding;
 };
-inline constexpr std::size_t record_numbers = 16;
-static_assert(sizeof(SphereRecord<float>) == 64 && sizeof(SphereRecord<double>) == 128);
 
-/// The radius of a record that touches nothing.
+/// Rows of particles.
+template <class Place, class Motion>
+struct SphereRows {
+  Place* place = nullptr;
+  Motion* motion = nullptr;
+};
+
+/// The radius of a row that touches nothing.
 inline constexpr double no_radius = -1e30;
-/// Where the record that fills up lists is: no overlap, and squares that do not overflow.
+/// Where the row that fills up lists is: no overlap, and squares that do not overflow.
 inline constexpr double nowhere_position = 1e18;
 
 /// The displacements that the contacts of a task remember, as columns: three numbers, six where
@@ -83,8 +93,8 @@ template <class T>
 struct ContactPass {
   std::size_t first_group = 0;
   std::size_t last_group = 0;
-  const SphereRecord<T>* from = nullptr;
-  SphereRecord<T>* to = nullptr;
+  SphereRows<const SpherePlace<T>, const SphereMotion<T>> from;
+  SphereRows<SpherePlace<T>, SphereMotion<T>> to;
   const std::uint64_t* first_slot = nullptr;  // of each group and, last, their number
   const std::int32_t* neighbor = nullptr;     // rows, slot after slot of 16
   ContactHistory<T> history;

@@ -195,7 +195,8 @@ class Solver final : public ContactSolver {
   std::size_t resident_bytes() const override;
 
  private:
-  using Record = SphereRecord<T>;
+  using Place = SpherePlace<T>;
+  using Motion = SphereMotion<T>;
   const models::ContactLaw& law() const { return *setup_.contact_law; }
 
   template <class Task>
@@ -205,12 +206,23 @@ class Solver final : public ContactSolver {
       task(first, std::min(rows_, first + rows_per_task));
     });
   }
-  static Record nowhere() {
-    Record record{};
-    for (T& x : record.position) x = static_cast<T>(nowhere_position);
-    record.radius = static_cast<T>(no_radius);
-    record.mass = 1;
-    return record;
+  static Place nowhere() {
+    const auto far = static_cast<T>(nowhere_position);
+    return {{far, far, far}, static_cast<T>(no_radius)};
+  }
+  static Motion at_rest() {
+    Motion motion{};
+    motion.mass = 1;
+    return motion;
+  }
+  bool lives(std::size_t row) const { return places_[0][row].radius > 0; }
+  std::array<double, 3> position(std::size_t row) const {
+    std::array<double, 3> at;
+    for (std::size_t c = 0; c < 3; ++c) {
+      at[c] = static_cast<double>(places_[0][row].position[c]) +
+              static_cast<double>(motions_[0][row].residual[c]);
+    }
+    return at;
   }
 
   void build_lists();
@@ -243,8 +255,9 @@ class Solver final : public ContactSolver {
   std::size_t rows_ = 0;  // groups are whole: those after the particles are nowhere
   std::size_t particles_ = 0;
   const soa::Id* ids_ = nullptr;  // by rank
-  Array<Record> records_[2];      // the state, and where the next one goes
-  Array<std::uint32_t> rank_;     // place by id of each row
+  Array<Place> places_[2];        // the state, and where the next one goes
+  Array<Motion> motions_[2];
+  Array<std::uint32_t> rank_;  // place by id of each row
   Array<T> drag_area_;
   Array<std::int32_t> death_;
   Array<T> damping_loss_;
@@ -314,9 +327,11 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
   equal_ = mass == nullptr && radius == nullptr;
   uniform_mass_ = uniform(ParticleField::mass);
   uniform_radius_ = uniform(ParticleField::radius);
-  for (auto& records : records_) {
-    records.resize(rows_ + 1);
-    records[rows_] = nowhere();
+  for (std::size_t n : {0, 1}) {
+    places_[n].resize(rows_ + 1);
+    motions_[n].resize(rows_ + 1);
+    places_[n][rows_] = nowhere();
+    motions_[n][rows_] = at_rest();
   }
   rank_.resize(rows_);
   if (has_drag_area_) drag_area_.resize(rows_);
@@ -327,8 +342,10 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
     for (std::size_t row = first; row < last; ++row) {
       rank_[row] = static_cast<std::uint32_t>(row);
       const bool real = row < particles_;
-      Record& record = records_[0][row];
-      record = nowhere();
+      Place& place = places_[0][row];
+      Motion& motion = motions_[0][row];
+      place = nowhere();
+      motion = at_rest();
       if (has_drag_area_) drag_area_[row] = real ? drag_area[row] : T(0);
       if (has_death_) death_[row] = real ? death[row] : soa::never;
       if (damping_loss) damping_loss_[row] = real ? damping_loss[row] : T(0);
@@ -340,12 +357,12 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
           to[c] = from ? from[row] : T(0);
         }
       };
-      fill(ParticleField::position, record.position);
-      fill(ParticleField::residual, record.residual);
-      fill(ParticleField::velocity, record.velocity);
-      fill(ParticleField::angular_velocity, record.spin);
-      record.radius = radius ? radius[row] : uniform(ParticleField::radius);
-      record.mass = mass ? mass[row] : uniform(ParticleField::mass);
+      fill(ParticleField::position, place.position);
+      fill(ParticleField::residual, motion.residual);
+      fill(ParticleField::velocity, motion.velocity);
+      fill(ParticleField::angular_velocity, motion.spin);
+      place.radius = radius ? radius[row] : uniform(ParticleField::radius);
+      motion.mass = mass ? mass[row] : uniform(ParticleField::mass);
     }
   });
 
@@ -419,8 +436,8 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   const Stopwatch watch(profile_.step_seconds);
   instant_coefficients(setup_.forces, setup_.seed, setup_.t0, setup_.dt, step, 1, instants_);
   ContactPass<T> whole;
-  whole.from = records_[0].data();
-  whole.to = records_[1].data();
+  whole.from = {places_[0].data(), motions_[0].data()};
+  whole.to = {places_[1].data(), motions_[1].data()};
   whole.first_slot = near_.first_slot.data();
   whole.neighbor = neighbor_.data();
   whole.first_wall_slot = wall_lists_.first_slot.data();
@@ -498,7 +515,8 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
     }
     results_[task] = {pass.longest_path, pass.steps_taken, pass.bad};
   });
-  records_[0].swap(records_[1]);
+  places_[0].swap(places_[1]);
+  motions_[0].swap(motions_[1]);
   longest_path_ = 0;
   bool bad = false;
   for (const TaskResult& result : results_) {
@@ -520,10 +538,11 @@ void Solver<T>::find_bad(std::int64_t step, bool remove) {
       "position.x", "position.y",         "position.z",         "velocity.x",        "velocity.y",
       "velocity.z", "angular_velocity.x", "angular_velocity.y", "angular_velocity.z"};
   for (std::size_t row = 0; row < rows_; ++row) {
-    Record& record = records_[0][row];
-    if (!(record.radius > 0)) continue;
+    if (!lives(row)) continue;
+    Place& place = places_[0][row];
+    Motion& motion = motions_[0][row];
     for (std::size_t c = 0; c < 9; ++c) {
-      const T* numbers = c < 3 ? record.position : c < 6 ? record.velocity : record.spin;
+      const T* numbers = c < 3 ? place.position : c < 6 ? motion.velocity : motion.spin;
       const T value = numbers[c % 3];
       const bool outside = setup_.domain.bounded && c < 3 &&
                            (value < static_cast<T>(setup_.domain.lowest[c]) ||
@@ -532,7 +551,8 @@ void Solver<T>::find_bad(std::int64_t step, bool remove) {
       bad_rows_.push_back(
           {ids_[rank_[row]], step + 1, names[c], static_cast<double>(value), std::isfinite(value)});
       if (remove) {
-        record = nowhere();
+        place = nowhere();
+        motion = at_rest();
         if (has_death_) death_[row] = static_cast<std::int32_t>(step + 1);
       }
       break;
@@ -589,7 +609,7 @@ void Solver<T>::choose_margin() {
   double sum = 0;
   std::size_t alive = 0;
   for (std::size_t row = 0; row < rows_; ++row) {
-    const T radius = records_[0][row].radius;
+    const T radius = places_[0][row].radius;
     if (!(radius > 0)) continue;
     sum += static_cast<double>(radius);
     ++alive;
@@ -607,12 +627,10 @@ void Solver<T>::search_columns(const std::vector<std::uint32_t>* order) {
   for (auto& column : search_) column.resize(rows_ + group_rows);
   for_rows([&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const Record& record = records_[0][order ? (*order)[i] : i];
-      for (std::size_t c = 0; c < 3; ++c) {
-        search_[c][i] =
-            static_cast<double>(record.position[c]) + static_cast<double>(record.residual[c]);
-      }
-      search_[3][i] = record.radius > 0 ? static_cast<double>(record.radius) : -1.0;
+      const std::size_t row = order ? (*order)[i] : i;
+      const std::array<double, 3> at = position(row);
+      for (std::size_t c = 0; c < 3; ++c) search_[c][i] = at[c];
+      search_[3][i] = lives(row) ? static_cast<double>(places_[0][row].radius) : -1.0;
     }
   });
 }
@@ -751,13 +769,9 @@ void Solver<T>::lay_out_walls() {
          group < std::min(groups, (task + 1) * groups_per_task); ++group) {
       Bounds bounds;
       for (std::size_t row = group * group_rows; row < (group + 1) * group_rows; ++row) {
-        const Record& record = records_[0][source_[row]];
-        if (!(record.radius > 0)) continue;
-        std::array<double, 3> at;
-        for (std::size_t c = 0; c < 3; ++c) {
-          at[c] = static_cast<double>(record.position[c]) + static_cast<double>(record.residual[c]);
-        }
-        bounds.add(at, static_cast<double>(record.radius));
+        const std::size_t source = source_[row];
+        if (!lives(source)) continue;
+        bounds.add(position(source), static_cast<double>(places_[0][source].radius));
       }
       if (bounds.empty()) continue;
       const std::size_t before = found[task].size();
@@ -794,11 +808,13 @@ template <class T>
 void Solver<T>::move_rows() {
   for_rows([&](std::size_t first, std::size_t last) {
     for (std::size_t row = first; row < last; ++row) {
-      records_[1][row] = records_[0][source_[row]];
-      records_[1][row].path = 0;
+      places_[1][row] = places_[0][source_[row]];
+      motions_[1][row] = motions_[0][source_[row]];
+      motions_[1][row].path = 0;
     }
   });
-  records_[0].swap(records_[1]);
+  places_[0].swap(places_[1]);
+  motions_[0].swap(motions_[1]);
   rank_.swap(new_rank_);
   if (has_drag_area_) permute(drag_area_, T(0));
   if (has_death_) permute(death_, soa::never);
@@ -975,16 +991,17 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
       const std::size_t rank = rank_[row];
       if (rank >= particles_) continue;
       row_of[rank] = static_cast<std::uint32_t>(row);
-      const Record& record = records_[0][row];
+      const Place& place = places_[0][row];
+      const Motion& motion = motions_[0][row];
       const auto write = [&](ParticleField field, const T* from) {
         for (std::size_t c = 0; c < 3; ++c) {
           if (T* to = column(field, c)) to[rank] = from[c];
         }
       };
-      write(ParticleField::position, record.position);
-      write(ParticleField::residual, record.residual);
-      write(ParticleField::velocity, record.velocity);
-      write(ParticleField::angular_velocity, record.spin);
+      write(ParticleField::position, place.position);
+      write(ParticleField::residual, motion.residual);
+      write(ParticleField::velocity, motion.velocity);
+      write(ParticleField::angular_velocity, motion.spin);
       if (damping_loss) damping_loss[rank] = damping_loss_[row];
       if (friction_loss) friction_loss[rank] = friction_loss_[row];
       if (death) death[rank] = death_[row];
@@ -993,13 +1010,12 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   contacts = empty_contacts(setup_);
   if (law().remembers()) {
     const auto listed = [&](std::size_t row, std::uint32_t partner) {
-      return (partner & wall_flag) != 0 ||
-             (partner > rank_[row] && records_[0][row_of[partner]].radius > 0);
+      return (partner & wall_flag) != 0 || (partner > rank_[row] && lives(row_of[partner]));
     };
     std::size_t pairs = 0;
     for (std::size_t rank = 0; rank < particles_; ++rank) {
       const std::size_t row = row_of[rank];
-      if (!(records_[0][row].radius > 0)) continue;
+      if (!lives(row)) continue;
       for (std::size_t e = remembered_.first[row]; e < remembered_.first[row + 1]; ++e) {
         if (listed(row, remembered_.partner[e])) ++pairs;
       }
@@ -1009,7 +1025,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
     std::size_t pair = 0;
     for (std::size_t rank = 0; rank < particles_; ++rank) {
       const std::size_t row = row_of[rank];
-      if (!(records_[0][row].radius > 0)) continue;
+      if (!lives(row)) continue;
       for (std::size_t e = remembered_.first[row]; e < remembered_.first[row + 1]; ++e) {
         const std::uint32_t partner = remembered_.partner[e];
         if (!listed(row, partner)) continue;
@@ -1042,7 +1058,8 @@ std::size_t Solver<T>::resident_bytes() const {
       new_rank_.resident_bytes() + source_.resident_bytes() + place_.resident_bytes() +
       drag_area_.resident_bytes() + death_.resident_bytes() + damping_loss_.resident_bytes() +
       friction_loss_.resident_bytes() + raw_count_.resident_bytes() + raw_first_.resident_bytes();
-  for (const auto& records : records_) bytes += records.resident_bytes();
+  for (const auto& places : places_) bytes += places.resident_bytes();
+  for (const auto& motions : motions_) bytes += motions.resident_bytes();
   for (const auto& column : search_) bytes += column.resident_bytes();
   for (const auto& lists : raw_) bytes += lists.capacity() * sizeof(std::uint32_t);
   return bytes;
@@ -1079,7 +1096,9 @@ std::uint64_t memory_bytes(const Setup& setup) {
 
 std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) {
   const std::vector<bool> stored = World::stored_fields(setup);
-  std::uint64_t row = 2 * record_numbers * size_of(soa::Scalar::real, setup.precision);
+  std::uint64_t row = setup.precision == soa::Precision::float32
+                          ? 2 * (sizeof(SpherePlace<float>) + sizeof(SphereMotion<float>))
+                          : 2 * (sizeof(SpherePlace<double>) + sizeof(SphereMotion<double>));
   row += 6 * sizeof(std::uint32_t);  // places, ranks and counts
   row += 4 * sizeof(double);         // where the broad phase looks
   row += 2 * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) + 2 * sizeof(std::uint32_t);  // cells
