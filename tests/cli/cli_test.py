@@ -476,6 +476,88 @@ class Runs(Case):
         self.assert_same_recording("out/long", "reference")
 
 
+class Contacts(Case):
+    """The scene of docs/contact.md, and what is wrong with changes of it."""
+
+    def setUp(self):
+        super().setUp()
+        page = (pathlib.Path(__file__).parents[2] / "docs/contact.md").read_text()
+        self.write("pour.toml", re.search(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)[1])
+
+    def test_it_settles_and_says_so(self):
+        result = self.salvo("run", "pour.toml", "--profile")
+        for part in ("150", "partners each", "overlap max %", "slipped J", "forces and motion", "neighbor lists"):
+            self.assertIn(part, result.stdout + result.stderr)
+        document = self.document("run", "pour.toml", "--profile", "--out", "again", "--threads", "1", "--isa", "scalar")
+        self.assertIn(f"state hash  {document['state_hash']} ", result.stdout)
+        first, last = document["frames"][0], document["frames"][-1]
+        self.assertEqual((first["particles"], first["pair_contacts"]), (150, 0))
+        self.assertGreater(last["pair_contacts"], 150)
+        self.assertGreater(last["wall_contacts"], 10)
+        self.assertLess(last["kinetic_energy"], 1e-3 * first["potential_energy"])
+        energy = [sum(frame[key] for key in ("kinetic_energy", "potential_energy", "rotational_energy", "elastic_energy",
+                                             "tangential_spring_energy", "damping_loss", "friction_loss"))
+                  for frame in (first, last)]
+        self.assertLess(abs(energy[1] - energy[0]), 0.02 * (first["potential_energy"] - last["potential_energy"]))
+        contacts = document["profile"]["contacts"]
+        self.assertEqual(contacts["steps"], document["steps"])
+        self.assertGreater(contacts["steps_per_build"], 5)
+
+    def test_the_chosen_step_is_explained(self):
+        text = self.salvo("info", "pour.toml").stdout
+        self.assertIn("linear_spring", text)
+        self.assertIn("dt is chosen: 1/50 of the shortest impact", text)
+        result = self.salvo("run", "pour.toml", "--set", "time.dt=1e-3", status=3)
+        self.assertRegex(result.stderr, r"dt.*(impact|contact)")
+
+    def test_overlaps_at_birth_are_refused_or_relaxed(self):
+        close = ["--set", "emitter.0.spacing=18e-3"]
+        for verb in ("run", "hash", "verify"):
+            result = self.salvo(verb, "pour.toml", *close, status=3)
+            self.assertRegex(result.stderr, r"\d+ pairs overlap when emitted at step 0, the worst by [\d.]+ % of the smaller "
+                                            r"radius: particles \d+ and \d+\n  a larger spacing, or relax = true")
+        self.assertFalse(list((self.dir / "out").glob("*/frame*")))
+        first = self.document("run", "pour.toml", *close, "--set", "contact_law.relax=true",
+                              "--set", "frames.count=1")["frames"][0]
+        self.assertLess(first["max_relative_overlap"], 0.0101)
+
+    def test_what_cannot_touch(self):
+        for change, message in (("emitter.0.spacing=1", "the lattice has no site"),
+                                ("emitter.0.radius=0", "radius"),
+                                ("emitter.0.mass=-1", "mass"),
+                                ("contact_law.normal_stiffness=0", "normal_stiffness"),
+                                ("contact_law.restitution=1.5", "restitution")):
+            result = self.salvo("run", "pour.toml", "--set", change, status=3)
+            self.assertIn(message, result.stderr)
+            self.assertIn("error:", result.stderr)
+
+    def test_meshes_that_are_no_surface(self):
+        self.write("box.toml", (self.dir / "pour.toml").read_text() + """
+[[obstacle]]
+shape = "mesh"
+file = "wall.obj"
+""")
+        corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\n"
+        for faces, message in (("f 1 2 3\nf 1 2 4\nf 1 2 5\n", "edge"), ("f 1 2 2\n", "two corners at (1, 0, 0)"), ("f 1 2 9\n", "9")):
+            self.write("wall.obj", corners + faces)
+            result = self.salvo("run", "box.toml", status=3)
+            self.assertIn("wall.obj", result.stderr)
+            self.assertIn(message, result.stderr)
+        (self.dir / "wall.obj").unlink()
+        self.assertIn("wall.obj", self.salvo("run", "box.toml", status=3).stderr)
+
+    def test_interrupted_amid_contacts(self):
+        arguments = ["run", "pour.toml", "--set", "checkpoint.every=1274", "--out"]
+        self.salvo(*arguments, "whole")
+        arguments.append("parts")
+        process = self.start(*arguments, "--isa", "scalar", "--threads", "1")
+        self.wait_for("parts/frame_000008.hdf", process)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        self.salvo(*arguments, "--resume", "--threads", "13")
+        self.assert_same_recording("whole", "parts")
+
+
 class Interruptions(Case):
     def setUp(self):
         super().setUp()
