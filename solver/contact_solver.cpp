@@ -33,11 +33,20 @@ constexpr std::size_t groups_per_task = 64;
 constexpr std::size_t rows_per_task = groups_per_task * group_rows;
 // Rows of a window are ordered by the length of their lists, so that a group fills up little.
 constexpr std::size_t window_rows = 128;
-constexpr std::size_t windows_per_task = 32;
+constexpr std::size_t listed_rows = 32 * window_rows;  // of a task
+constexpr std::size_t length_classes = 256;
 
 constexpr std::uint32_t wall_flag = std::uint32_t{1} << 31;
 
 std::size_t tasks_of(std::size_t things, std::size_t each) { return (things + each - 1) / each; }
+
+// The longer a list, the lower; from 32 entries on, lists of about the same length have one number.
+std::size_t length_class(std::uint32_t entries) {
+  constexpr std::size_t exact = 32;
+  if (entries < exact) return length_classes - 1 - entries;
+  const auto digits = static_cast<std::size_t>(std::bit_width(entries));
+  return length_classes - 1 - (exact + (digits - 6) * 8 + (entries >> (digits - 4) & 7));
+}
 
 class Stopwatch {
  public:
@@ -225,12 +234,19 @@ class Solver final : public ContactSolver {
     return at;
   }
 
+  // Where a row comes to lie, and its place by id.
+  struct NewPlace {
+    std::uint32_t row;
+    std::uint32_t rank;
+  };
   void build_lists();
   void choose_margin();
   void search_columns(const std::vector<std::uint32_t>* order);
   void list_rows();
   void place_rows();
   void lay_out_neighbors();
+  void lay_out_row(const std::uint32_t* raw, std::size_t count, std::int32_t* to, std::size_t slots,
+                   std::vector<NewPlace>& list) const;
   void lay_out_walls();
   void move_rows();
   void collect();
@@ -286,7 +302,7 @@ class Solver final : public ContactSolver {
   CellGrid grid_;
   Array<double> search_[4];
   Array<std::uint32_t> source_;  // old row of each new row
-  Array<std::uint32_t> place_;   // new row of each row in the order of the cells
+  Array<NewPlace> place_;  // new row of each row in the order of the cells
   Array<std::uint32_t> new_rank_;
   std::vector<std::vector<std::uint32_t>>
       raw_;  // lists of each task, rows in the order of the cells
@@ -571,8 +587,8 @@ void Solver<T>::build_lists() {
   {
     const Stopwatch watch(profile_.sort_seconds);
     if (!remembering_) collect();
-    choose_margin();
     search_columns(nullptr);
+    choose_margin();
     grid_.build({search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()}, rows_,
                 margin_, tuning_.cell_scale, parallel_);
   }
@@ -606,13 +622,24 @@ void Solver<T>::choose_margin() {
     margin_ = tuning_.margin;
     return;
   }
+  struct Part {
+    double sum = 0;
+    std::size_t alive = 0;
+  };
+  std::vector<Part> parts(tasks_of(rows_, rows_per_task));
+  for_rows([&](std::size_t first, std::size_t last) {
+    Part& part = parts[first / rows_per_task];
+    for (std::size_t row = first; row < last; ++row) {
+      const double radius = search_[3][row];
+      part.sum += std::max(radius, 0.0);
+      part.alive += radius > 0 ? 1 : 0;
+    }
+  });
   double sum = 0;
   std::size_t alive = 0;
-  for (std::size_t row = 0; row < rows_; ++row) {
-    const T radius = places_[0][row].radius;
-    if (!(radius > 0)) continue;
-    sum += static_cast<double>(radius);
-    ++alive;
+  for (const Part& part : parts) {
+    sum += part.sum;
+    alive += part.alive;
   }
   const double mean_radius = alive == 0 ? 1 : sum / static_cast<double>(alive);
   if (margin_ == 0) margin_ = 0.2 * mean_radius;
@@ -638,15 +665,14 @@ void Solver<T>::search_columns(const std::vector<std::uint32_t>* order) {
 template <class T>
 void Solver<T>::list_rows() {
   const std::size_t members = grid_.members();
-  const std::size_t rows_each = window_rows * windows_per_task;
-  const std::size_t tasks = tasks_of(rows_, rows_each);
+  const std::size_t tasks = tasks_of(rows_, listed_rows);
   raw_.resize(tasks);
   raw_count_.resize(rows_);
   raw_first_.resize(rows_);
   parallel_.for_each(tasks, [&](std::size_t task) {
     ListPass pass;
-    pass.first_row = std::min(members, task * rows_each);
-    pass.last_row = std::min(members, pass.first_row + rows_each);
+    pass.first_row = std::min(members, task * listed_rows);
+    pass.last_row = std::min(members, pass.first_row + listed_rows);
     pass.index = grid_.index();
     pass.columns = {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
     pass.margin = margin_;
@@ -659,7 +685,8 @@ void Solver<T>::list_rows() {
     pass.counts = raw_count_.data() + pass.first_row;
     kernels_.list_neighbors(pass);
     std::uint32_t first = 0;
-    for (std::size_t row = task * rows_each; row < std::min(rows_, (task + 1) * rows_each); ++row) {
+    for (std::size_t row = task * listed_rows; row < std::min(rows_, (task + 1) * listed_rows);
+         ++row) {
       if (row >= members) raw_count_[row] = 0;
       raw_first_[row] = first;
       first += raw_count_[row];
@@ -667,94 +694,116 @@ void Solver<T>::list_rows() {
   });
 }
 
-// Orders the rows of each window by the length of their lists, the longest first.
+// Orders the rows of each window by the length of their lists, the longest first, and counts the
+// slots that each group needs.
 template <class T>
 void Solver<T>::place_rows() {
+  const std::size_t groups = rows_ / group_rows;
   source_.resize(rows_);
+  new_rank_.resize(rows_);
   place_.resize(rows_);
-  parallel_.for_each(tasks_of(rows_, window_rows), [&](std::size_t window) {
-    const std::size_t first = window * window_rows;
-    const std::size_t last = std::min(rows_, first + window_rows);
-    std::array<std::uint32_t, window_rows> sorted;
-    for (std::size_t i = first; i < last; ++i) {
-      sorted[i - first] = static_cast<std::uint32_t>(i);
-    }
-    std::stable_sort(
-        sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(last - first),
-        [&](std::uint32_t a, std::uint32_t b) { return raw_count_[a] > raw_count_[b]; });
-    for (std::size_t row = first; row < last; ++row) {
-      place_[sorted[row - first]] = static_cast<std::uint32_t>(row);
+  near_.first_slot.resize(groups + 1);
+  const std::size_t tasks = tasks_of(rows_, listed_rows);
+  std::vector<std::uint64_t> entries(tasks);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
+    for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
+      const std::size_t last = std::min(end, first + window_rows);
+      std::array<std::uint32_t, length_classes> next{};
+      for (std::size_t i = first; i < last; ++i) ++next[length_class(raw_count_[i])];
+      auto row = static_cast<std::uint32_t>(first);
+      for (std::uint32_t& n : next) row += std::exchange(n, row);
+      std::array<std::uint32_t, window_rows / group_rows> longest{};
+      for (std::size_t i = first; i < last; ++i) {
+        const std::uint32_t count = raw_count_[i];
+        const std::uint32_t place = next[length_class(count)]++;
+        const std::uint32_t source = grid_.order()[i];
+        source_[place] = source;
+        new_rank_[place] = rank_[source];
+        place_[i] = {place, rank_[source]};
+        std::uint32_t& most = longest[(place - first) / group_rows];
+        most = std::max(most, count);
+        entries[task] += count;
+      }
+      for (std::size_t n = 0; n < (last - first) / group_rows; ++n) {
+        near_.first_slot[first / group_rows + n] = longest[n];
+      }
     }
   });
-  parallel_.for_each(tasks_of(rows_, window_rows), [&](std::size_t window) {
-    const std::size_t last = std::min(rows_, (window + 1) * window_rows);
-    for (std::size_t i = window * window_rows; i < last; ++i) {
-      source_[place_[i]] = grid_.order()[i];
-    }
-  });
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    slots += std::exchange(near_.first_slot[group], slots);
+  }
+  near_.first_slot[groups] = slots;
+  for (const std::uint64_t n : entries) profile_.list_entries += n;
 }
 
 template <class T>
 void Solver<T>::lay_out_neighbors() {
-  const std::size_t groups = rows_ / group_rows;
-  new_rank_.resize(rows_);
-  // How long a row's list is, and where: by its place among the cells.
-  std::vector<std::uint32_t> among_cells(rows_);
-  for_rows([&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      among_cells[place_[i]] = static_cast<std::uint32_t>(i);
-      new_rank_[place_[i]] = rank_[grid_.order()[i]];
+  near_.make_room(law());
+  neighbor_.resize(near_.slots() * group_rows);
+  parallel_.for_each(tasks_of(rows_, listed_rows), [&](std::size_t task) {
+    std::vector<NewPlace> list;
+    const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
+    for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
+      const std::size_t last = std::min(end, first + window_rows);
+      // Rows of like length follow one another.
+      std::array<std::uint32_t, window_rows> among_cells;
+      for (std::size_t i = first; i < last; ++i) {
+        among_cells[place_[i].row - first] = static_cast<std::uint32_t>(i);
+      }
+      for (std::size_t row = first; row < last; ++row) {
+        const std::size_t i = among_cells[row - first];
+        const std::size_t group = row / group_rows;
+        const std::uint64_t first_slot = near_.first_slot[group];
+        lay_out_row(raw_[task].data() + raw_first_[i], raw_count_[i],
+                    neighbor_.data() + first_slot * group_rows + row % group_rows,
+                    near_.first_slot[group + 1] - first_slot, list);
+      }
+      std::fill(near_.touching.data() + near_.first_slot[first / group_rows],
+                near_.touching.data() + near_.first_slot[last / group_rows], std::uint16_t{0});
     }
   });
-  near_.first_slot.resize(groups + 1);
-  std::uint64_t slots = 0;
-  std::uint64_t entries = 0;
-  for (std::size_t group = 0; group < groups; ++group) {
-    near_.first_slot[group] = slots;
-    std::uint32_t longest = 0;
-    for (std::size_t lane = 0; lane < group_rows; ++lane) {
-      const std::uint32_t count = raw_count_[among_cells[group * group_rows + lane]];
-      longest = std::max(longest, count);
-      entries += count;
+}
+
+// Writes the list of one row by ascending rank. For each of a short list the smaller ones are
+// counted, without a branch that would go either way.
+template <class T>
+void Solver<T>::lay_out_row(const std::uint32_t* raw, std::size_t count, std::int32_t* to,
+                            std::size_t slots, std::vector<NewPlace>& list) const {
+  constexpr std::size_t few = 24;
+  constexpr std::size_t step = 4;  // the widest that every processor has
+  using Ranks [[gnu::vector_size(step * sizeof(std::int32_t))]] = std::int32_t;
+  if (count <= few) {
+    std::array<std::int32_t, few> row;
+    alignas(Ranks) std::array<std::int32_t, few> rank;
+    for (std::size_t n = 0; n < count; ++n) {
+      const NewPlace place = place_[raw[n]];
+      row[n] = static_cast<std::int32_t>(place.row);
+      rank[n] = static_cast<std::int32_t>(place.rank);
     }
-    slots += longest;
-  }
-  near_.first_slot[groups] = slots;
-  profile_.list_entries += entries;
-  near_.make_room(law());
-  neighbor_.resize(slots * group_rows);
-  const std::size_t rows_each = window_rows * windows_per_task;
-  parallel_.for_each(tasks_of(groups, groups_per_task), [&](std::size_t task) {
-    std::vector<std::uint64_t> list;  // rank above, row below
-    for (std::size_t group = task * groups_per_task;
-         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
-      const std::uint64_t first_slot = near_.first_slot[group];
-      const std::uint64_t group_slots = near_.first_slot[group + 1] - first_slot;
-      std::fill(near_.touching.data() + first_slot,
-                near_.touching.data() + first_slot + group_slots, std::uint16_t{0});
-      for (std::size_t lane = 0; lane < group_rows; ++lane) {
-        const std::size_t i = among_cells[group * group_rows + lane];
-        const std::uint32_t count = raw_count_[i];
-        const std::uint32_t* raw = raw_[i / rows_each].data() + raw_first_[i];
-        list.resize(count);
-        for (std::uint32_t n = 0; n < count; ++n) {
-          const std::uint32_t row = place_[raw[n]];
-          const std::uint64_t entry = std::uint64_t{new_rank_[row]} << 32 | row;
-          // Lists are short: the place of each is near.
-          std::uint32_t at = n;
-          for (; at > 0 && list[at - 1] > entry; --at) list[at] = list[at - 1];
-          list[at] = entry;
-        }
-        std::int32_t* to = neighbor_.data() + first_slot * group_rows + lane;
-        for (std::uint64_t slot = 0; slot < group_slots; ++slot) {
-          to[slot * group_rows] = static_cast<std::int32_t>(
-              slot < count ? static_cast<std::uint32_t>(list[slot]) : rows_);
-        }
+    for (std::size_t first = 0; first < count; first += step) {
+      Ranks some;
+      std::memcpy(&some, rank.data() + first, sizeof(some));
+      Ranks lower{};
+      for (std::size_t n = 0; n < count; ++n) lower -= rank[n] < some;
+      const std::size_t last = std::min(count, first + step);
+      for (std::size_t n = first; n < last; ++n) {
+        to[static_cast<std::size_t>(lower[n - first]) * group_rows] = row[n];
       }
     }
-  });
-  // They are as large as what was laid out, and until the next build nobody looks at them.
-  for (auto& lists : raw_) lists = {};
+  } else {
+    list.resize(count);
+    for (std::size_t n = 0; n < count; ++n) list[n] = place_[raw[n]];
+    std::sort(list.begin(), list.end(),  // exact-set: ranks are unique
+              [](const NewPlace& a, const NewPlace& b) { return a.rank < b.rank; });
+    for (std::size_t n = 0; n < count; ++n) {
+      to[n * group_rows] = static_cast<std::int32_t>(list[n].row);
+    }
+  }
+  for (std::size_t n = count; n < slots; ++n) {
+    to[n * group_rows] = static_cast<std::int32_t>(rows_);
+  }
 }
 
 // The walls that a group may reach before the lists are built again.
@@ -765,18 +814,23 @@ void Solver<T>::lay_out_walls() {
   std::vector<std::vector<std::uint32_t>> found(tasks_of(groups, groups_per_task));
   std::vector<std::uint32_t> counts(groups);
   parallel_.for_each(found.size(), [&](std::size_t task) {
-    for (std::size_t group = task * groups_per_task;
-         group < std::min(groups, (task + 1) * groups_per_task); ++group) {
-      Bounds bounds;
-      for (std::size_t row = group * group_rows; row < (group + 1) * group_rows; ++row) {
-        const std::size_t source = source_[row];
-        if (!lives(source)) continue;
-        bounds.add(position(source), static_cast<double>(places_[0][source].radius));
+    std::vector<std::uint32_t>& walls = found[task];
+    const std::size_t end = std::min(rows_, (task + 1) * rows_per_task);
+    for (std::size_t first = task * rows_per_task; first < end; first += window_rows) {
+      const std::size_t last = std::min(end, first + window_rows);
+      std::array<Bounds, window_rows / group_rows> bounds;
+      for (std::size_t i = first; i < last; ++i) {
+        if (!(search_[3][i] > 0)) continue;
+        bounds[(place_[i].row - first) / group_rows].add(
+            {search_[0][i], search_[1][i], search_[2][i]}, search_[3][i]);
       }
-      if (bounds.empty()) continue;
-      const std::size_t before = found[task].size();
-      walls_.near(bounds, margin_, found[task]);
-      counts[group] = static_cast<std::uint32_t>(found[task].size() - before);
+      for (std::size_t group = first / group_rows; group < last / group_rows; ++group) {
+        const Bounds& of_group = bounds[group - first / group_rows];
+        if (of_group.empty()) continue;
+        const std::size_t before = walls.size();
+        walls_.near(of_group, margin_, walls);
+        counts[group] = static_cast<std::uint32_t>(walls.size() - before);
+      }
     }
   });
   std::uint64_t slots = 0;
@@ -977,6 +1031,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const Stopwatch watch(profile_.transfer_seconds);
   // Whoever looks needs room of their own.
   for (auto& column : search_) column.release();
+  raw_ = {};
   grid_ = {};
   if (!remembering_) collect();
   const auto column = [&](ParticleField field, std::size_t c = 0) {
