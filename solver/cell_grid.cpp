@@ -12,15 +12,14 @@ namespace salvo::solver {
 namespace {
 
 constexpr std::size_t rows_per_task = 16384;
-constexpr int most_classes = 12;  // 4^12 in radius
 constexpr std::uint64_t most_cells = std::uint64_t{1} << 62;
-constexpr int digit_bits = 11;
-constexpr std::size_t digits = std::size_t{1} << digit_bits;
+constexpr double most_growth = 16;
+constexpr int most_digit_bits = 11;
 
 std::size_t tasks_of(std::size_t rows) { return (rows + rows_per_task - 1) / rows_per_task; }
 
 // Which class a radius belongs to: 0 the largest.
-int class_of(double radius, double largest) {
+int class_of(double radius, double largest, int most_classes) {
   int number = 0;
   while (number < most_classes - 1 && radius * 4 < largest) {
     largest /= 4;
@@ -92,9 +91,11 @@ void CellGrid::choose_classes(const SearchColumns& columns, std::size_t rows, do
   std::vector<double> largest(tasks, 0);
   parallel.for_each(tasks, [&](std::size_t task) {
     const std::size_t last = std::min(rows, (task + 1) * rows_per_task);
+    double radius = 0;
     for (std::size_t row = task * rows_per_task; row < last; ++row) {
-      largest[task] = std::max(largest[task], columns.radius[row]);
+      radius = std::max(radius, columns.radius[row]);
     }
+    largest[task] = radius;
   });
   double largest_radius = 0;
   for (const double radius : largest) largest_radius = std::max(largest_radius, radius);
@@ -102,12 +103,20 @@ void CellGrid::choose_classes(const SearchColumns& columns, std::size_t rows, do
   std::vector<Extents> parts(tasks);
   parallel.for_each(tasks, [&](std::size_t task) {
     const std::size_t last = std::min(rows, (task + 1) * rows_per_task);
+    // One extent is at hand while rows are of one class.
+    std::size_t number = 0;
+    Extent extent;
     for (std::size_t row = task * rows_per_task; row < last; ++row) {
       const double radius = columns.radius[row];
       if (radius < 0) continue;
-      const auto number = static_cast<std::size_t>(class_of(radius, largest_radius));
-      parts[task][number].add({columns.x[row], columns.y[row], columns.z[row]}, radius);
+      const auto own = static_cast<std::size_t>(class_of(radius, largest_radius, most_classes));
+      if (own != number) {
+        parts[task][number].add(std::exchange(extent, {}));
+        number = own;
+      }
+      extent.add({columns.x[row], columns.y[row], columns.z[row]}, radius);
     }
+    parts[task][number].add(extent);
   });
   classes_.clear();
   cells_ = 0;
@@ -117,11 +126,10 @@ void CellGrid::choose_classes(const SearchColumns& columns, std::size_t rows, do
     for (const Extents& part : parts) extent.add(part[number]);
     CellClass cells;
     cells.largest_radius = extent.largest_radius;
+    cells.first_key = cells_;
     if (extent.members > 0) {
-      cells.cell = std::max((2 * extent.largest_radius + margin) * cell_scale,
+      cells.cell = std::max((2 * extent.largest_radius + margin) * cell_scale * growth_[number],
                             std::numeric_limits<double>::min());
-      // Hardly more cells than particles in one class: more would only be empty.
-      cells.first_key = cells_;
       fit(extent, cells, most_cells / most_classes);
       cells_ += cells.counts[0] * cells.counts[1] * cells.counts[2];
     }
@@ -142,14 +150,19 @@ void CellGrid::build(const SearchColumns& columns, std::size_t rows, double marg
     for (std::size_t row = task * rows_per_task; row < last; ++row) {
       const double radius = columns.radius[row];
       order_[row] = static_cast<std::uint32_t>(row);
-      keys_[row] =
-          radius < 0 ? cells_
-                     : key_of(classes_[static_cast<std::size_t>(class_of(radius, largest_radius))],
-                              columns.x[row], columns.y[row], columns.z[row]);
+      keys_[row] = radius < 0 ? cells_
+                              : key_of(classes_[static_cast<std::size_t>(
+                                           class_of(radius, largest_radius, most_classes))],
+                                       columns.x[row], columns.y[row], columns.z[row]);
     }
   });
   sort(rows, static_cast<int>(std::bit_width(cells_)), parallel);
 
+  fill_directory(rows, parallel);
+  choose_growth(rows, parallel);
+}
+
+void CellGrid::fill_directory(std::size_t rows, const Parallel& parallel) {
   // About as many entries as rows.
   shift_ = 0;
   while ((cells_ >> shift_) > 2 * rows + 64) ++shift_;
@@ -175,11 +188,61 @@ void CellGrid::build(const SearchColumns& columns, std::size_t rows, double marg
   });
 }
 
+// Cells that outnumber their particles take more looking up than they save. Room that is mostly
+// empty is no reason yet, though: particles may crowd somewhere in it.
+void CellGrid::choose_growth(std::size_t rows, const Parallel& parallel) {
+  struct Crowd {
+    std::uint64_t members = 0;
+    std::uint64_t pairs = 0;  // in one cell
+  };
+  using Crowds = std::array<Crowd, most_classes>;
+  std::vector<Crowds> parts(tasks_of(rows));
+  parallel.for_each(parts.size(), [&](std::size_t task) {
+    const std::size_t last = std::min(members_, (task + 1) * rows_per_task);
+    std::size_t row = task * rows_per_task;
+    for (std::size_t number = 0; number < classes_.size(); ++number) {
+      const std::uint64_t end =
+          number + 1 < classes_.size() ? classes_[number + 1].first_key : cells_;
+      Crowd crowd;
+      std::uint64_t before = 0;  // in the same cell
+      std::uint64_t cell = end;
+      for (; row < last && keys_[row] < end; ++row) {
+        before = keys_[row] == cell ? before + 1 : 0;
+        cell = keys_[row];
+        ++crowd.members;
+        crowd.pairs += before;
+      }
+      parts[task][number] = crowd;
+    }
+  });
+  for (std::size_t number = 0; number < classes_.size(); ++number) {
+    Crowd all;
+    for (const Crowds& part : parts) {
+      all.members += part[number].members;
+      all.pairs += part[number].pairs;
+    }
+    const CellClass& c = classes_[number];
+    const auto members = static_cast<double>(all.members);
+    const auto pairs = static_cast<double>(all.pairs);
+    const double cells = static_cast<double>(c.counts[0]) * static_cast<double>(c.counts[1]) *
+                         static_cast<double>(c.counts[2]);
+    double& growth = growth_[number];
+    if (pairs > 1.5 * members) {
+      growth = std::max(1.0, growth / 1.5);
+    } else if (pairs < 0.15 * members && cells > 2 * members) {
+      growth = std::min(most_growth, growth * (cells > 8 * members ? 2 : 1.5));
+    }
+  }
+}
+
 // By the digits of the keys, lowest first; each round keeps the order of equal digits.
 void CellGrid::sort(std::size_t rows, int bits, const Parallel& parallel) {
   const std::size_t tasks = tasks_of(rows);
   other_keys_.resize(rows);
   other_order_.resize(rows);
+  const int rounds = std::max(1, (bits + most_digit_bits - 1) / most_digit_bits);
+  const int digit_bits = (bits + rounds - 1) / rounds;
+  const std::size_t digits = std::size_t{1} << digit_bits;
   counts_.resize(tasks * digits);
   for (int shift = 0; shift < bits; shift += digit_bits) {
     const auto digit = [&](std::uint64_t key) {
@@ -209,6 +272,12 @@ void CellGrid::sort(std::size_t rows, int bits, const Parallel& parallel) {
     keys_.swap(other_keys_);
     order_.swap(other_order_);
   }
+}
+
+void CellGrid::release() {
+  const auto growth = growth_;
+  *this = {};
+  growth_ = growth;
 }
 
 CellIndex CellGrid::index() const {

@@ -9,6 +9,7 @@
 // Nothing here can change a bit of a result: lists are supersets, and are put in order of the ids.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -56,8 +57,11 @@ struct CellIndex {
 
 class CellGrid {
  public:
+  CellGrid() { growth_.fill(1); }
+
   /// Finds the cells of `rows` particles: those within `margin` of touching are in cells that a
-  /// search for margin visits. `cell_scale` >= 1 makes cells larger than they need be.
+  /// search for margin visits. `cell_scale` >= 1 makes cells larger than they need be; they also
+  /// grow from one build to the next while hardly any holds two particles.
   void build(const SearchColumns& columns, std::size_t rows, double margin, double cell_scale,
              const Parallel& parallel);
 
@@ -66,13 +70,20 @@ class CellGrid {
   /// Rows that were not left out.
   std::size_t members() const { return members_; }
   CellIndex index() const;
+  /// Gives the memory back.
+  void release();
 
  private:
+  static constexpr int most_classes = 12;  // 4^12 in radius
+
   void choose_classes(const SearchColumns& columns, std::size_t rows, double margin,
                       double cell_scale, const Parallel& parallel);
   void sort(std::size_t rows, int bits, const Parallel& parallel);
+  void fill_directory(std::size_t rows, const Parallel& parallel);
+  void choose_growth(std::size_t rows, const Parallel& parallel);
 
   std::vector<CellClass> classes_;
+  std::array<double, most_classes> growth_;  // of the cells of each class, for the next build
   std::uint64_t cells_ = 0;
   std::vector<std::uint64_t> keys_, other_keys_;
   std::vector<std::uint32_t> order_, other_order_;

@@ -841,13 +841,15 @@ class ListBuilder {
 
  private:
   static constexpr std::size_t axes = 3;
-  static constexpr std::size_t most_rows = 16;          // of a block
+  static constexpr std::size_t most_rows = 32;  // of a block
+  static constexpr std::uint64_t block_cells = 2 * bar;
   static constexpr std::size_t most_candidates = 4096;  // fetched at a time
   static constexpr std::size_t run_step = 8;            // candidates are fetched in steps of these
   using Doubles [[gnu::vector_size(64)]] = double;
   using Floats [[gnu::vector_size(32)]] = float;
   using Numbers [[gnu::vector_size(32)]] = std::uint32_t;
   static constexpr std::size_t widest = 16;  // lanes
+  static constexpr std::size_t at_once = 4;  // entries
   // In units of the reach of a block, which no coordinate of those within reach exceeds. Rounding
   // moves a coordinate by 2^-24 at most: a distance and the radii are off by less than ten of that.
   static constexpr float slack = 0x1p-20F;
@@ -884,17 +886,17 @@ class ListBuilder {
     double scale;
   };
 
-  // Rows of one slab of bar by bar cells. Where cells are much larger than particles, single
-  // precision sees a block only if it is small.
+  // Rows of two bars side by side. Where cells are much larger than particles, single precision
+  // sees a block only if it is small.
   std::size_t end_of_block(std::size_t row) const {
     const SearchColumns& from = pass_.columns;
     const std::uint64_t* keys = pass_.index.keys;
-    const double widest_edge = 64 * (from.radius[row] + pass_.margin);
+    const double widest_edge = 256 * (from.radius[row] + pass_.margin);
     Box box;
     box.start(from, row);
     std::size_t end = row + 1;
     for (; end < pass_.last_row && end - row < most_rows; ++end) {
-      if (keys[end] / (bar * bar) != keys[row] / (bar * bar)) break;
+      if (keys[end] / block_cells != keys[row] / block_cells) break;
       box.add(from, end);
       if (box.edge() > widest_edge) break;
     }
@@ -926,10 +928,11 @@ class ListBuilder {
     for (std::size_t axis = 0; axis < axes; ++axis) {
       middle_[axis] = box.lowest[axis] + 0.5 * (box.highest[axis] - box.lowest[axis]);
     }
-    only_row_ = first;
-    alone_ = last - first == 1;
+    first_row_ = first;
+    last_row_ = last;
     segments_ = 0;
     candidates_ = 0;
+    own_place_[0] = nowhere;
     for (std::size_t number = 0; number < pass_.index.class_count; ++number) {
       const CellClass& c = pass_.index.classes[number];
       if (c.counts[0] == 0) continue;
@@ -975,11 +978,12 @@ class ListBuilder {
     while (row < last) {
       const std::size_t room = most_candidates - candidates_;
       if (room < last - row) {
-        if (!alone_) return false;
+        if (last_row_ - first_row_ > 1) return false;
         if (room == 0) {
           end_segment();
-          compare(only_row_, only_row_ + 1);
+          compare(first_row_, last_row_);
           segments_ = first_ = candidates_ = 0;
+          own_place_[0] = nowhere;
           continue;
         }
       }
@@ -991,6 +995,9 @@ class ListBuilder {
         see(from.radius + at, 0, radius_ + to);
         const Numbers rows = Numbers{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::uint32_t>(at);
         __builtin_memcpy(row_ + to, &rows, sizeof(rows));
+      }
+      for (std::size_t own = std::max(row, first_row_); own < std::min(end, last_row_); ++own) {
+        own_place_[own - first_row_] = candidates_ + (own - row);
       }
       candidates_ += end - row;
       row = end;
@@ -1023,11 +1030,13 @@ class ListBuilder {
         room_ = needed + needed / 2 + 1024;
         entries_ = pass_.grow(pass_.owner, room_);
       }
-      for (std::size_t s = 0; s < segments_; ++s) compare(row, segment_[s]);
+      for (std::size_t s = 0; s < segments_; ++s) {
+        compare(row, own_place_[row - first_row_], segment_[s]);
+      }
       pass_.counts[row - pass_.first_row] = count_since(before);
     }
   }
-  void compare(std::size_t row, const Segment& segment) {
+  void compare(std::size_t row, std::size_t self, const Segment& segment) {
     const SearchColumns& from = pass_.columns;
     const auto seen = [&](double at, std::size_t axis) {
       return V(static_cast<float>((at - middle_[axis]) * segment.scale));
@@ -1048,18 +1057,21 @@ class ListBuilder {
         const V reach = V::load(radius_ + n + m) + radius;
         near |= std::uint64_t{bits(dx * dx + dy * dy + dz * dz < reach * reach)} << m;
       }
-      while (near != 0) {
-        for (std::size_t once = 0; once < at_once; ++once) {
-          // What is written after the last is written over.
-          const std::uint32_t other = row_[n + static_cast<std::size_t>(std::countr_zero(near))];
-          entries_[size_] = other;
-          size_ += (near != 0 && other != row) ? 1 : 0;
-          near &= near - 1;
-        }
-      }
+      if (self - n < 64) near &= ~(std::uint64_t{1} << (self - n));
+      keep(near, row_ + n);
     }
   }
-  static constexpr std::size_t at_once = 4;
+  // A few at a time: a loop from one to the next ends where no processor foresees it. What is
+  // written after the last is written over.
+  void keep(std::uint64_t near, const std::uint32_t* from) {
+    const std::size_t end = size_ + static_cast<std::size_t>(std::popcount(near));
+    while (near != 0) {
+      for (std::size_t once = 0; once < at_once; ++once, near &= near - 1) {
+        entries_[size_++] = from[std::countr_zero(near)];
+      }
+    }
+    size_ = end;
+  }
 
   ListPass& pass_;
   std::uint32_t* entries_ = nullptr;
@@ -1068,8 +1080,10 @@ class ListBuilder {
 
   // Of the block.
   double middle_[axes];
-  bool alone_ = false;
-  std::size_t only_row_ = 0;
+  std::size_t first_row_ = 0;
+  std::size_t last_row_ = 0;
+  static constexpr std::size_t nowhere = ~std::size_t{0} / 2;
+  std::size_t own_place_[most_rows];  // among the candidates
   static constexpr std::size_t most_segments = 16;
   Segment segment_[most_segments];
   std::size_t segments_ = 0;

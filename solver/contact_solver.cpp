@@ -1032,7 +1032,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   // Whoever looks needs room of their own.
   for (auto& column : search_) column.release();
   raw_ = {};
-  grid_ = {};
+  grid_.release();
   if (!remembering_) collect();
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);

@@ -60,7 +60,10 @@ Neighbors all_pairs(const Cloud& cloud, double margin, double factor = 1) {
 Neighbors listed(const Cloud& cloud, double margin, double cell_scale, Isa isa, int threads) {
   const Parallel parallel(threads);
   CellGrid grid;
-  grid.build(cloud.columns(), cloud.rows(), margin, cell_scale, parallel);
+  // Cells of later builds may be larger.
+  for (int build = 0; build < threads; ++build) {
+    grid.build(cloud.columns(), cloud.rows(), margin, cell_scale, parallel);
+  }
   Cloud sorted;
   for (const std::uint32_t row : grid.order()) {
     sorted.add(cloud.x[row], cloud.y[row], cloud.z[row], cloud.radius[row]);
@@ -227,6 +230,33 @@ TEST(CellGrid, ListsWhoIsWithinReachAndNobodyElse) {
       }
     }
   }
+}
+
+// Cells grow from build to build where they are empty, not where particles crowd.
+TEST(CellGrid, GrowsCellsThatAreEmpty) {
+  Cloud crowd = random_cloud("a crowd in an empty room", 2000, 0, 0.05, 0.005, 0.005);
+  const Cloud dense = crowd;
+  Draws draws(7);
+  for (int i = 0; i < 500; ++i) {
+    crowd.add(draws.within(-2, 2), draws.within(-2, 2), draws.within(-2, 2), 0.005);
+  }
+  Cloud gas{"gas", {}, {}, {}, {}};
+  for (int i = 0; i < 2000; ++i) {
+    gas.add(draws.within(-2, 2), draws.within(-2, 2), draws.within(-2, 2), 0.005);
+  }
+  const auto growth = [](const Cloud& cloud) {
+    CellGrid grid;
+    std::vector<double> cells;
+    for (int build = 0; build < 20; ++build) {
+      grid.build(cloud.columns(), cloud.rows(), 0.001, 1, Parallel(2));
+      cells.push_back(grid.index().classes->cell);
+    }
+    EXPECT_EQ(cells[18], cells[19]);
+    return cells.back() / cells.front();
+  };
+  EXPECT_EQ(growth(dense), 1);
+  EXPECT_LE(growth(crowd), 2);
+  EXPECT_GE(growth(gas), 8);
 }
 
 // The clouds above are the cases that they are named for.
