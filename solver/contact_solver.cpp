@@ -239,6 +239,19 @@ class Solver final : public ContactSolver {
     std::uint32_t row;
     std::uint32_t rank;
   };
+  // Room for the lists of a task, until motions_[1] is written.
+  struct RawLists {
+    std::span<std::uint32_t> room;
+    std::vector<std::uint32_t>* more;
+    std::uint32_t* data() const { return more->empty() ? room.data() : more->data(); }
+  };
+  RawLists raw_lists(std::size_t task) {
+    const std::size_t first = task * listed_rows;
+    const std::size_t bytes = (std::min(rows_, first + listed_rows) - first) * sizeof(Motion);
+    return {{reinterpret_cast<std::uint32_t*>(motions_[1].data() + first),
+             bytes / sizeof(std::uint32_t)},
+            &long_lists_[task]};
+  }
   void build_lists();
   void choose_margin();
   void search_columns(const std::vector<std::uint32_t>* order);
@@ -302,10 +315,11 @@ class Solver final : public ContactSolver {
   CellGrid grid_;
   Array<double> search_[4];
   Array<std::uint32_t> source_;  // old row of each new row
-  Array<NewPlace> place_;  // new row of each row in the order of the cells
+  Array<NewPlace> place_;        // new row of each row in the order of the cells
   Array<std::uint32_t> new_rank_;
-  std::vector<std::vector<std::uint32_t>>
-      raw_;  // lists of each task, rows in the order of the cells
+  // Lists of each task, rows in the order of the cells, lie where the next state goes; these are
+  // those that are too long for that.
+  std::vector<std::vector<std::uint32_t>> long_lists_;
   Array<std::uint32_t> raw_count_;
   Array<std::uint32_t> raw_first_;  // within its task
 
@@ -666,7 +680,8 @@ template <class T>
 void Solver<T>::list_rows() {
   const std::size_t members = grid_.members();
   const std::size_t tasks = tasks_of(rows_, listed_rows);
-  raw_.resize(tasks);
+  long_lists_.clear();
+  long_lists_.resize(tasks);
   raw_count_.resize(rows_);
   raw_first_.resize(rows_);
   parallel_.for_each(tasks, [&](std::size_t task) {
@@ -676,11 +691,16 @@ void Solver<T>::list_rows() {
     pass.index = grid_.index();
     pass.columns = {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
     pass.margin = margin_;
-    pass.owner = &raw_[task];
+    RawLists lists = raw_lists(task);
+    pass.owner = &lists;
     pass.grow = [](void* owner, std::size_t entries) {
-      auto& lists = *static_cast<std::vector<std::uint32_t>*>(owner);
-      if (lists.size() < entries) lists.resize(entries);
-      return lists.data();
+      const RawLists& own = *static_cast<RawLists*>(owner);
+      if (entries > own.room.size() && entries > own.more->size()) {
+        const bool moves = own.more->empty();
+        own.more->resize(entries);
+        if (moves) std::copy(own.room.begin(), own.room.end(), own.more->begin());
+      }
+      return own.data();
     };
     pass.counts = raw_count_.data() + pass.first_row;
     kernels_.list_neighbors(pass);
@@ -744,6 +764,7 @@ void Solver<T>::lay_out_neighbors() {
   neighbor_.resize(near_.slots() * group_rows);
   parallel_.for_each(tasks_of(rows_, listed_rows), [&](std::size_t task) {
     std::vector<NewPlace> list;
+    const std::uint32_t* raw = raw_lists(task).data();
     const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
     for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
       const std::size_t last = std::min(end, first + window_rows);
@@ -756,7 +777,7 @@ void Solver<T>::lay_out_neighbors() {
         const std::size_t i = among_cells[row - first];
         const std::size_t group = row / group_rows;
         const std::uint64_t first_slot = near_.first_slot[group];
-        lay_out_row(raw_[task].data() + raw_first_[i], raw_count_[i],
+        lay_out_row(raw + raw_first_[i], raw_count_[i],
                     neighbor_.data() + first_slot * group_rows + row % group_rows,
                     near_.first_slot[group + 1] - first_slot, list);
       }
@@ -764,6 +785,7 @@ void Solver<T>::lay_out_neighbors() {
                 near_.touching.data() + near_.first_slot[last / group_rows], std::uint16_t{0});
     }
   });
+  long_lists_ = {};
 }
 
 // Writes the list of one row by ascending rank. For each of a short list the smaller ones are
@@ -1031,7 +1053,6 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const Stopwatch watch(profile_.transfer_seconds);
   // Whoever looks needs room of their own.
   for (auto& column : search_) column.release();
-  raw_ = {};
   grid_.release();
   if (!remembering_) collect();
   const auto column = [&](ParticleField field, std::size_t c = 0) {
@@ -1116,7 +1137,7 @@ std::size_t Solver<T>::resident_bytes() const {
   for (const auto& places : places_) bytes += places.resident_bytes();
   for (const auto& motions : motions_) bytes += motions.resident_bytes();
   for (const auto& column : search_) bytes += column.resident_bytes();
-  for (const auto& lists : raw_) bytes += lists.capacity() * sizeof(std::uint32_t);
+  for (const auto& lists : long_lists_) bytes += lists.capacity() * sizeof(std::uint32_t);
   return bytes;
 }
 
@@ -1154,7 +1175,7 @@ std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) 
   std::uint64_t row = setup.precision == soa::Precision::float32
                           ? 2 * (sizeof(SpherePlace<float>) + sizeof(SphereMotion<float>))
                           : 2 * (sizeof(SpherePlace<double>) + sizeof(SphereMotion<double>));
-  row += 6 * sizeof(std::uint32_t);  // places, ranks and counts
+  row += 7 * sizeof(std::uint32_t);  // places, ranks and counts
   row += 4 * sizeof(double);         // where the broad phase looks
   row += 2 * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) + 2 * sizeof(std::uint32_t);  // cells
   for (const ParticleField field : {ParticleField::drag_area, ParticleField::death,
