@@ -23,6 +23,7 @@ class AlignedBytes {
 
  private:
   struct Release {
+    std::size_t mapped;  // bytes of a mapping; 0: of an allocation
     void operator()(std::byte* bytes) const;
   };
   std::unique_ptr<std::byte, Release> allocation_;
