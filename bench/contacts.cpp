@@ -9,6 +9,7 @@
 #include "bench/granular_packing.hpp"
 #include "bench/harness.hpp"
 #include "kernels/sphere_contact.hpp"
+#include "scene/load.hpp"
 #include "soa/particle_fields.hpp"
 
 namespace salvo::bench {
@@ -201,6 +202,24 @@ void measure_stage(benchmark::State& state, const Row& row, Stage stage) {
   state.counters["spheres"] = rows;
 }
 
+// The flagship scene as a run steps it, without recording. The full measurement is of the whole
+// scene: its steps are of very different kinds, from a packing at rest to a cloud of stones.
+void measure_debris(benchmark::State& state, int threads) {
+  const scene::Scene scene = scene::load(SALVO_SOURCE_DIR "/scenes/debris.toml");
+  solver::World world(scene.setup, {solver::widest_isa(), threads, 1});
+  world.advance_to(1);  // the first lists
+  const std::int64_t steps = quick() ? 100 : scene.steps;
+  for (auto _ : state) world.advance_to(steps);
+  const solver::ContactProfile& profile = *world.contact_profile();
+  const double lists = profile.sort_seconds + profile.list_seconds;
+  const auto rows = static_cast<double>(world.particles().rows());
+  state.counters["particle_steps_per_second"] =
+      benchmark::Counter(rows * static_cast<double>(steps - 1), benchmark::Counter::kIsRate);
+  state.counters["spheres"] = rows;
+  state.counters["steps"] = static_cast<double>(steps);
+  state.counters["lists_fraction"] = lists / (lists + profile.step_seconds);
+}
+
 std::string ending(const Row& row) {
   return fmt::format("real:{}/isa:{}/threads:{}", name(row.precision), solver::name(row.isa),
                      row.threads);
@@ -210,6 +229,17 @@ std::string ending(const Row& row) {
 
 void register_contacts() {
   using Kind = models::ContactLawKind;
+  for (const int threads : {1, 2}) {
+    if (threads == 1 && !quick()) continue;  // it would take minutes more
+    benchmark::RegisterBenchmark(
+        fmt::format("scene/debris/real:float/isa:{}/threads:{}", solver::name(solver::widest_isa()),
+                    threads)
+            .c_str(),
+        [threads](benchmark::State& state) { measure_debris(state, threads); })
+        ->Unit(benchmark::kSecond)
+        ->UseRealTime()
+        ->Iterations(1);
+  }
   for (const soa::Precision precision : {soa::Precision::float32, soa::Precision::float64}) {
     const auto add = [&](const std::string& kind, const GranularScene& scene, Kind law) {
       std::vector<solver::Isa> isas = solver::available_isas();

@@ -17,8 +17,8 @@ constexpr std::size_t huge_from = 2 * huge_page;
 // A mapping of its own that starts with a huge page. What an allocator hands out may have been used
 // before, and pages that are there already stay small.
 std::byte* map(std::size_t size) {
-  void* mapped = ::mmap(nullptr, size + huge_page, PROT_READ | PROT_WRITE,
-                        MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  void* mapped =
+      ::mmap(nullptr, size + huge_page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapped == MAP_FAILED) throw std::bad_alloc();
   auto* all = static_cast<std::byte*>(mapped);
   const std::size_t before =

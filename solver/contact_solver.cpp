@@ -1183,9 +1183,9 @@ std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) 
     if (stored[index(field)]) row += size_of(soa::field(field).scalar, setup.precision);
   }
   const std::uint64_t memory = memory_bytes(setup);
-  row += typical_slots * (sizeof(std::int32_t) + memory);
-  if (memory > 0)
-    row += sizeof(std::uint32_t) + typical_contacts * (sizeof(std::uint32_t) + memory);
+  row += typical_slots * sizeof(std::int32_t);
+  // In the lists, and while they are built also apart from them.
+  if (memory > 0) row += typical_contacts * (2 * memory + sizeof(std::uint32_t)) + 4;
   row += row / 16;  // what the arrays keep to spare
   return particles * row;
 }
