@@ -1,0 +1,277 @@
+#include "solver/contact_memory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "soa/contact_fields.hpp"
+
+namespace salvo::solver {
+
+namespace {
+
+using soa::ContactField;
+
+constexpr std::size_t index(ContactField field) { return static_cast<std::size_t>(field); }
+
+// Calls visit(slot, lane) for the contacts of a group, slots ascending.
+template <class Visit>
+void for_contacts(const soa::Array<std::uint64_t>& first_slot,
+                  const soa::Array<std::uint16_t>& touching, std::size_t group,
+                  const Visit& visit) {
+  for (std::size_t slot = first_slot[group]; slot < first_slot[group + 1]; ++slot) {
+    for (std::uint32_t left = touching[slot]; left != 0; left &= left - 1) {
+      visit(slot, static_cast<std::size_t>(std::countr_zero(left)));
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+void ContactMemory<T>::resize_entries(std::size_t entries) {
+  partner_.resize(entries);
+  if (law_.remembers()) tangential_.resize(3 * entries);
+  if (law_.rolls()) rolling_.resize(3 * entries);
+}
+
+// ---- tables -------------------------------------------------------------------------------------
+
+template <class T>
+void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id> ids,
+                            std::size_t rows) {
+  // Both sides of every contact, in the order of the ids.
+  const std::size_t pairs = contacts.rows();
+  const soa::Id* id = contacts.ids();
+  const auto* partner = contacts.column<std::uint64_t>(index(ContactField::partner));
+  const auto rank_of = [&](soa::Id wanted) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(ids, wanted) - ids.begin());
+  };
+  std::vector<std::array<std::uint32_t, 2>> sides(pairs);
+  rows_ = rows;
+  first_.resize(rows + 1);
+  std::fill_n(first_.data(), rows + 1, 0U);
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    const bool wall = soa::stream_of(partner[pair]) == soa::max_stream;
+    sides[pair] = {rank_of(id[pair]),
+                   wall ? wall_flag | static_cast<std::uint32_t>(soa::serial_of(partner[pair]))
+                        : rank_of(partner[pair])};
+    ++first_[sides[pair][0]];
+    if (!wall) ++first_[sides[pair][1]];
+  }
+  std::uint32_t entries = 0;
+  for (std::size_t row = 0; row <= rows; ++row) entries += std::exchange(first_[row], entries);
+  resize_entries(entries);
+  std::vector<std::uint32_t> next(first_.data(), first_.data() + rows);
+  const auto add = [&](std::uint32_t row, std::uint32_t other, std::size_t pair, T sign) {
+    const std::uint32_t entry = next[row]++;
+    partner_[entry] = other;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (law_.remembers()) {
+        tangential_[3 * entry + c] =
+            sign * contacts.column<T>(index(ContactField::tangential_displacement), c)[pair];
+      }
+      if (law_.rolls()) {
+        rolling_[3 * entry + c] =
+            contacts.column<T>(index(ContactField::rolling_displacement), c)[pair];
+      }
+    }
+  };
+  // The higher sides first: a row's partners of lower id come before those of higher id.
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    if ((sides[pair][1] & wall_flag) == 0) add(sides[pair][1], sides[pair][0], pair, T(-1));
+  }
+  for (std::size_t pair = 0; pair < pairs; ++pair) add(sides[pair][0], sides[pair][1], pair, T(1));
+  collected_ = true;
+}
+
+template <class T>
+void ContactMemory<T>::write(const std::vector<std::uint32_t>& entries,
+                             const std::vector<soa::Id>& owners, std::span<const soa::Id> ids,
+                             soa::Table& contacts) const {
+  contacts.append(entries.size());
+  auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
+  for (std::size_t pair = 0; pair < entries.size(); ++pair) {
+    const std::uint32_t entry = entries[pair];
+    const std::uint32_t partner = partner_[entry];
+    contacts.ids()[pair] = owners[pair];
+    partners[pair] =
+        (partner & wall_flag) != 0 ? soa::obstacle_partner(partner & ~wall_flag) : ids[partner];
+    for (std::size_t c = 0; c < 3; ++c) {
+      contacts.column<T>(index(ContactField::tangential_displacement), c)[pair] =
+          tangential_[3 * entry + c];
+      if (law_.rolls()) {
+        contacts.column<T>(index(ContactField::rolling_displacement), c)[pair] =
+            rolling_[3 * entry + c];
+      }
+    }
+  }
+}
+
+// ---- from lists to rows and back ----------------------------------------------------------------
+
+template <class T>
+void ContactMemory<T>::collect(const NeighborLists& lists, const WallLists<T>& walls,
+                               const soa::Array<std::uint32_t>& rank) {
+  if (std::exchange(collected_, true) || !law_.remembers()) return;
+  first_.resize(rows_ + 1);
+  for_groups(parallel_, rows_, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t group = first; group < last; ++group) {
+      std::uint32_t* counts = first_.data() + group * group_rows;
+      std::fill_n(counts, group_rows, 0U);
+      const auto count = [&](std::size_t, std::size_t lane) { ++counts[lane]; };
+      for_contacts(lists.first_slot(), touching_, group, count);
+      for_contacts(walls.first_slot, walls.touching, group, count);
+    }
+  });
+  std::uint32_t entries = 0;
+  for (std::size_t row = 0; row < rows_; ++row) entries += std::exchange(first_[row], entries);
+  first_[rows_] = entries;
+  resize_entries(entries);
+  for_groups(parallel_, rows_, [&](std::size_t task, std::size_t first, std::size_t last) {
+    const TaskHistory& history = history_[task];
+    std::size_t contact = 0;
+    for (std::size_t group = first; group < last; ++group) {
+      std::array<std::uint32_t, group_rows> next;
+      std::copy_n(first_.data() + group * group_rows, group_rows, next.data());
+      for_contacts(lists.first_slot(), touching_, group, [&](std::size_t slot, std::size_t lane) {
+        const std::size_t entry = next[lane]++;
+        const std::int32_t other = lists.neighbor()[slot * group_rows + lane];
+        partner_[entry] = rank[static_cast<std::size_t>(other)];
+        const T* from = history.numbers.data() + contact;
+        for (std::size_t c = 0; c < 3; ++c) {
+          tangential_[3 * entry + c] = from[c * history.contacts];
+          if (law_.rolls()) rolling_[3 * entry + c] = from[(3 + c) * history.contacts];
+        }
+        ++contact;
+      });
+      for_contacts(walls.first_slot, walls.touching, group,
+                   [&](std::size_t slot, std::size_t lane) {
+                     const std::size_t entry = next[lane]++;
+                     partner_[entry] = wall_flag | walls.part[slot];
+                     for (std::size_t c = 0; c < 3; ++c) {
+                       const std::size_t from = (slot * 3 + c) * group_rows + lane;
+                       tangential_[3 * entry + c] = walls.tangential[from];
+                       if (law_.rolls()) rolling_[3 * entry + c] = walls.rolling[from];
+                     }
+                   });
+    }
+  });
+}
+
+template <class T>
+void ContactMemory<T>::recall(NeighborLists& lists, WallLists<T>& walls) {
+  collected_ = false;
+  if (!law_.remembers()) return;
+  touching_.resize(lists.slots());
+  history_.resize(tasks_of(rows_, rows_per_task));
+  const std::uint32_t* rank = lists.rank().data();
+  for_groups(parallel_, rows_, [&](std::size_t task, std::size_t first, std::size_t last) {
+    constexpr std::uint32_t nobody = ~std::uint32_t{0};
+    std::vector<std::uint32_t> entries;   // of what is remembered, by slot and lane
+    std::vector<std::uint32_t> contacts;  // of the task, in the order of the slots
+    for (std::size_t group = first; group < last; ++group) {
+      const std::size_t first_slot = lists.first_slot()[group];
+      const std::size_t slots = lists.first_slot()[group + 1] - first_slot;
+      std::fill_n(touching_.data() + first_slot, slots, std::uint16_t{0});
+      entries.assign(slots * group_rows, nobody);
+      for (std::size_t lane = 0; lane < group_rows; ++lane) {
+        recall_row(lists, walls, rank, group, lane, entries.data());
+      }
+      for_contacts(lists.first_slot(), touching_, group, [&](std::size_t slot, std::size_t lane) {
+        contacts.push_back(entries[(slot - first_slot) * group_rows + lane]);
+      });
+    }
+    TaskHistory& history = history_[task];
+    history.resize(contacts.size(), columns());
+    for (std::size_t contact = 0; contact < contacts.size(); ++contact) {
+      T* to = history.numbers.data() + contact;
+      const std::size_t from = 3 * std::size_t{contacts[contact]};
+      for (std::size_t c = 0; c < 3; ++c) {
+        to[c * history.contacts] = tangential_[from + c];
+        if (law_.rolls()) to[(3 + c) * history.contacts] = rolling_[from + c];
+      }
+    }
+  });
+}
+
+// Marks the contacts of a row in the lists and says which entry of what is remembered is whose.
+// Lists and memories both ascend.
+template <class T>
+void ContactMemory<T>::recall_row(const NeighborLists& lists, WallLists<T>& walls,
+                                  const std::uint32_t* rank, std::size_t group, std::size_t lane,
+                                  std::uint32_t* entries) {
+  const std::uint64_t first_slot = lists.first_slot()[group];
+  const std::uint64_t last_slot = lists.first_slot()[group + 1];
+  const std::uint64_t last_wall_slot = walls.first_slot[group + 1];
+  std::uint64_t slot = first_slot;
+  std::uint64_t wall_slot = walls.first_slot[group];
+  const std::size_t source = lists.source()[group * group_rows + lane];
+  const auto mark = [&](soa::Array<std::uint16_t>& touching, std::uint64_t at) {
+    touching[at] = static_cast<std::uint16_t>(touching[at] | 1U << lane);
+  };
+  const auto rank_at = [&](std::uint64_t s) {
+    const auto other = static_cast<std::size_t>(lists.neighbor()[s * group_rows + lane]);
+    return other == rows_ ? wall_flag : rank[other];
+  };
+  for (std::uint32_t entry = first_[source]; entry < first_[source + 1]; ++entry) {
+    const std::uint32_t partner = partner_[entry];
+    if ((partner & wall_flag) == 0) {
+      while (slot < last_slot && rank_at(slot) < partner) ++slot;
+      if (slot == last_slot || rank_at(slot) != partner) continue;
+      mark(touching_, slot);
+      entries[(slot - first_slot) * group_rows + lane] = entry;
+    } else {
+      const std::uint32_t wall = partner & ~wall_flag;
+      while (wall_slot < last_wall_slot && walls.part[wall_slot] < wall) ++wall_slot;
+      if (wall_slot == last_wall_slot || walls.part[wall_slot] != wall) continue;
+      if (walls.touching[wall_slot] == 0) walls.clear_slot(wall_slot, law_);
+      mark(walls.touching, wall_slot);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t to = (wall_slot * 3 + c) * group_rows + lane;
+        walls.tangential[to] = tangential_[3 * entry + c];
+        if (law_.rolls()) walls.rolling[to] = rolling_[3 * entry + c];
+      }
+    }
+  }
+}
+
+// ---- steps --------------------------------------------------------------------------------------
+
+template <class T>
+ContactHistory<T> ContactMemory<T>::history(std::size_t task, T* after, std::size_t room) {
+  ContactHistory<T> history;
+  if (!law_.remembers()) return history;
+  history.touching = touching_.data();
+  history.before = history_[task].numbers.data();
+  history.count_before = history_[task].contacts;
+  history.after = after;
+  history.room = room;
+  return history;
+}
+
+template <class T>
+void ContactMemory<T>::take(std::size_t task, const ContactHistory<T>& stepped) {
+  if (!law_.remembers()) return;
+  TaskHistory& history = history_[task];
+  history.resize(stepped.count, columns());
+  for (std::size_t c = 0; c < columns(); ++c) {
+    std::copy_n(stepped.after + c * stepped.room, stepped.count,
+                history.numbers.data() + c * stepped.count);
+  }
+}
+
+template <class T>
+std::size_t ContactMemory<T>::resident_bytes() const {
+  std::size_t bytes = touching_.resident_bytes() + first_.resident_bytes() +
+                      partner_.resident_bytes() + tangential_.resident_bytes() +
+                      rolling_.resident_bytes();
+  for (const TaskHistory& task : history_) bytes += task.numbers.capacity() * sizeof(T);
+  return bytes;
+}
+
+template class ContactMemory<float>;
+template class ContactMemory<double>;
+
+}  // namespace salvo::solver

@@ -1,0 +1,116 @@
+// What contacts remember: the displacements of their springs, from the first overlap to the last.
+// While particles are stepped, they lie beside the lists, task by task. Lists come and go; in
+// between, and while somebody looks, they lie row by row, which is what checkpoints keep.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "models/contact_law.hpp"
+#include "soa/array.hpp"
+#include "soa/table.hpp"
+#include "solver/contact_pass.hpp"
+#include "solver/neighbor_lists.hpp"
+#include "solver/parallel.hpp"
+#include "solver/wall_lists.hpp"
+
+namespace salvo::solver {
+
+template <class T>
+class ContactMemory {
+ public:
+  ContactMemory(const models::ContactLaw& law, const Parallel& parallel)
+      : law_(law), parallel_(parallel) {}
+
+  /// Takes over a table of contacts between rows that are sorted by these ids.
+  void load(const soa::Table& contacts, std::span<const soa::Id> ids, std::size_t rows);
+  /// Appends the contacts of the rows that live to an empty table. `rank` is the place by id of
+  /// each row, `row_of` the reverse.
+  template <class Lives>
+  void store(std::span<const soa::Id> ids, const soa::Array<std::uint32_t>& rank,
+             const std::vector<std::uint32_t>& row_of, const Lives& lives,
+             soa::Table& contacts) const {
+    const auto of_pair = [&](std::size_t row, std::uint32_t partner) {
+      return (partner & wall_flag) != 0 || (partner > rank[row] && lives(row_of[partner]));
+    };
+    std::vector<std::uint32_t> entries;
+    std::vector<soa::Id> owners;
+    for (std::size_t place = 0; place < ids.size(); ++place) {
+      const std::size_t row = row_of[place];
+      if (!lives(row)) continue;
+      for (std::uint32_t entry = first_[row]; entry < first_[row + 1]; ++entry) {
+        if (!of_pair(row, partner_[entry])) continue;
+        entries.push_back(entry);
+        owners.push_back(ids[place]);
+      }
+    }
+    write(entries, owners, ids, contacts);
+  }
+
+  /// Moves all out of the lists, in the order of the rows; nothing where it is there already.
+  void collect(const NeighborLists& lists, const WallLists<T>& walls,
+               const soa::Array<std::uint32_t>& rank);
+  /// Puts it into new lists.
+  void recall(NeighborLists& lists, WallLists<T>& walls);
+  /// The lists have it all, after a look at it.
+  void release() {
+    first_.release();
+    partner_.release();
+    tangential_.release();
+    rolling_.release();
+    collected_ = false;
+  }
+
+  /// The part of a task in a step, and what came of it. `after` is of as many columns of `room`.
+  ContactHistory<T> history(std::size_t task, T* after, std::size_t room);
+  void take(std::size_t task, const ContactHistory<T>& stepped);
+  /// Numbers that a contact remembers.
+  std::size_t columns() const { return law_.rolls() ? 6 : law_.remembers() ? 3 : 0; }
+  std::size_t resident_bytes() const;
+
+ private:
+  static constexpr std::uint32_t wall_flag = std::uint32_t{1} << 31;
+
+  // Of the contacts of one task, in the order of the slots and lanes.
+  struct TaskHistory {
+    std::vector<T> numbers;  // columns
+    std::size_t contacts = 0;
+
+    void resize(std::size_t count, std::size_t columns) {
+      if (count * columns > numbers.capacity()) {
+        numbers = {};
+        numbers.reserve(columns * (count + count / 8 + 1));
+      }
+      numbers.resize(columns * count);
+      contacts = count;
+    }
+  };
+
+  void resize_entries(std::size_t entries);
+  void recall_row(const NeighborLists& lists, WallLists<T>& walls, const std::uint32_t* rank,
+                  std::size_t group, std::size_t lane, std::uint32_t* entries);
+  void write(const std::vector<std::uint32_t>& entries, const std::vector<soa::Id>& owners,
+             std::span<const soa::Id> ids, soa::Table& contacts) const;
+
+  const models::ContactLaw& law_;
+  const Parallel& parallel_;
+
+  // Beside the lists.
+  soa::Array<std::uint16_t> touching_;
+  std::vector<TaskHistory> history_;
+
+  // By rows: partners in ascending order, particles before walls.
+  bool collected_ = false;
+  std::size_t rows_ = 0;
+  soa::Array<std::uint32_t> first_;    // of each row, and their number
+  soa::Array<std::uint32_t> partner_;  // rank, or wall_flag | part of a wall
+  soa::Array<T> tangential_;           // three for each
+  soa::Array<T> rolling_;
+};
+
+extern template class ContactMemory<float>;
+extern template class ContactMemory<double>;
+
+}  // namespace salvo::solver

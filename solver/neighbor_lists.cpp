@@ -1,0 +1,231 @@
+#include "solver/neighbor_lists.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+namespace salvo::solver {
+
+namespace {
+
+// Rows of a window are ordered by the length of their lists, so that a group fills up little.
+constexpr std::size_t window_rows = 128;
+constexpr std::size_t listed_rows = 32 * window_rows;  // of a task
+constexpr std::size_t length_classes = 256;
+
+// The longer a list, the lower; from 32 entries on, lists of about the same length have one number.
+std::size_t length_class(std::uint32_t entries) {
+  constexpr std::size_t exact = 32;
+  if (entries < exact) return length_classes - 1 - entries;
+  const auto digits = static_cast<std::size_t>(std::bit_width(entries));
+  return length_classes - 1 - (exact + (digits - 6) * 8 + (entries >> (digits - 4) & 7));
+}
+
+}  // namespace
+
+double NeighborLists::mean_radius() const {
+  struct Part {
+    double sum = 0;
+    std::size_t listed = 0;
+  };
+  std::vector<Part> parts(tasks_of(rows_, rows_per_task));
+  for_rows(parallel_, rows_, [&](std::size_t first, std::size_t last) {
+    Part part;
+    for (std::size_t i = first; i < last; ++i) {
+      const double radius = search_[3][i];
+      part.sum += std::max(radius, 0.0);
+      part.listed += radius > 0 ? 1 : 0;
+    }
+    parts[first / rows_per_task] = part;
+  });
+  Part all;
+  for (const Part& part : parts) {
+    all.sum += part.sum;
+    all.listed += part.listed;
+  }
+  return all.listed == 0 ? 1 : all.sum / static_cast<double>(all.listed);
+}
+
+void NeighborLists::sort(double margin, double cell_scale) {
+  grid_.build(sights(), rows_, margin, cell_scale, parallel_);
+}
+
+void NeighborLists::build(double margin, const std::uint32_t* rank, std::span<std::byte> room) {
+  room_ = room;
+  list_rows(margin);
+  place_rows(rank);
+  lay_out();
+}
+
+NeighborLists::RawLists NeighborLists::raw_lists(std::size_t task) {
+  const std::size_t each = room_.size() / rows_;  // bytes of a row
+  const std::size_t first = task * listed_rows;
+  const std::size_t bytes = (std::min(rows_, first + listed_rows) - first) * each;
+  return {{reinterpret_cast<std::uint32_t*>(room_.data() + first * each),
+           bytes / sizeof(std::uint32_t)},
+          &long_lists_[task]};
+}
+
+void NeighborLists::list_rows(double margin) {
+  const std::size_t members = grid_.members();
+  const std::size_t tasks = tasks_of(rows_, listed_rows);
+  long_lists_.clear();
+  long_lists_.resize(tasks);
+  raw_count_.resize(rows_);
+  raw_first_.resize(rows_);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    ListPass pass;
+    pass.first_row = std::min(members, task * listed_rows);
+    pass.last_row = std::min(members, pass.first_row + listed_rows);
+    pass.index = grid_.index();
+    pass.columns = sights();
+    pass.margin = margin;
+    RawLists lists = raw_lists(task);
+    pass.owner = &lists;
+    pass.grow = [](void* owner, std::size_t entries) {
+      const RawLists& own = *static_cast<RawLists*>(owner);
+      if (entries > own.room.size() && entries > own.more->size()) {
+        const bool moves = own.more->empty();
+        own.more->resize(entries);
+        if (moves) std::copy(own.room.begin(), own.room.end(), own.more->begin());
+      }
+      return own.data();
+    };
+    pass.counts = raw_count_.data() + pass.first_row;
+    kernels_.list_neighbors(pass);
+    std::uint32_t first = 0;
+    for (std::size_t row = task * listed_rows; row < std::min(rows_, (task + 1) * listed_rows);
+         ++row) {
+      if (row >= members) raw_count_[row] = 0;
+      raw_first_[row] = first;
+      first += raw_count_[row];
+    }
+  });
+}
+
+// Orders the rows of each window by the length of their lists, the longest first, and counts the
+// slots that each group needs.
+void NeighborLists::place_rows(const std::uint32_t* rank) {
+  const std::size_t groups = rows_ / group_rows;
+  source_.resize(rows_);
+  rank_.resize(rows_);
+  place_.resize(rows_);
+  first_slot_.resize(groups + 1);
+  const std::size_t tasks = tasks_of(rows_, listed_rows);
+  std::vector<std::uint64_t> entries(tasks);
+  parallel_.for_each(tasks, [&](std::size_t task) {
+    const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
+    for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
+      const std::size_t last = std::min(end, first + window_rows);
+      std::array<std::uint32_t, length_classes> next{};
+      for (std::size_t i = first; i < last; ++i) ++next[length_class(raw_count_[i])];
+      auto row = static_cast<std::uint32_t>(first);
+      for (std::uint32_t& n : next) row += std::exchange(n, row);
+      std::array<std::uint32_t, window_rows / group_rows> longest{};
+      for (std::size_t i = first; i < last; ++i) {
+        const std::uint32_t count = raw_count_[i];
+        const std::uint32_t place = next[length_class(count)]++;
+        const std::uint32_t source = grid_.order()[i];
+        source_[place] = source;
+        rank_[place] = rank[source];
+        place_[i] = {place, rank[source]};
+        std::uint32_t& most = longest[(place - first) / group_rows];
+        most = std::max(most, count);
+        entries[task] += count;
+      }
+      for (std::size_t n = 0; n < (last - first) / group_rows; ++n) {
+        first_slot_[first / group_rows + n] = longest[n];
+      }
+    }
+  });
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    slots += std::exchange(first_slot_[group], slots);
+  }
+  first_slot_[groups] = slots;
+  entries_ = 0;
+  for (const std::uint64_t n : entries) entries_ += n;
+}
+
+void NeighborLists::lay_out() {
+  neighbor_.resize(slots() * group_rows);
+  parallel_.for_each(tasks_of(rows_, listed_rows), [&](std::size_t task) {
+    std::vector<NewPlace> list;
+    const std::uint32_t* raw = raw_lists(task).data();
+    const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
+    for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
+      const std::size_t last = std::min(end, first + window_rows);
+      // Rows of like length follow one another.
+      std::array<std::uint32_t, window_rows> among_cells;
+      for (std::size_t i = first; i < last; ++i) {
+        among_cells[place_[i].row - first] = static_cast<std::uint32_t>(i);
+      }
+      for (std::size_t row = first; row < last; ++row) {
+        const std::size_t i = among_cells[row - first];
+        const std::size_t group = row / group_rows;
+        const std::uint64_t first_slot = first_slot_[group];
+        lay_out_row(raw + raw_first_[i], raw_count_[i],
+                    neighbor_.data() + first_slot * group_rows + row % group_rows,
+                    first_slot_[group + 1] - first_slot, list);
+      }
+    }
+  });
+  long_lists_ = {};
+}
+
+// Writes the list of one row by ascending rank. For each of a short list the smaller ones are
+// counted, without a branch that would go either way.
+void NeighborLists::lay_out_row(const std::uint32_t* raw, std::size_t count, std::int32_t* to,
+                                std::size_t slots, std::vector<NewPlace>& list) const {
+  constexpr std::size_t few = 24;
+  constexpr std::size_t step = 4;  // the widest that every processor has
+  using Ranks [[gnu::vector_size(step * sizeof(std::int32_t))]] = std::int32_t;
+  if (count <= few) {
+    std::array<std::int32_t, few> row;
+    alignas(Ranks) std::array<std::int32_t, few> rank;
+    for (std::size_t n = 0; n < count; ++n) {
+      const NewPlace place = place_[raw[n]];
+      row[n] = static_cast<std::int32_t>(place.row);
+      rank[n] = static_cast<std::int32_t>(place.rank);
+    }
+    for (std::size_t first = 0; first < count; first += step) {
+      Ranks some;
+      std::memcpy(&some, rank.data() + first, sizeof(some));
+      Ranks lower{};
+      for (std::size_t n = 0; n < count; ++n) lower -= rank[n] < some;
+      const std::size_t last = std::min(count, first + step);
+      for (std::size_t n = first; n < last; ++n) {
+        to[static_cast<std::size_t>(lower[n - first]) * group_rows] = row[n];
+      }
+    }
+  } else {
+    list.resize(count);
+    for (std::size_t n = 0; n < count; ++n) list[n] = place_[raw[n]];
+    std::sort(list.begin(), list.end(),  // exact-set: ranks are unique
+              [](const NewPlace& a, const NewPlace& b) { return a.rank < b.rank; });
+    for (std::size_t n = 0; n < count; ++n) {
+      to[n * group_rows] = static_cast<std::int32_t>(list[n].row);
+    }
+  }
+  for (std::size_t n = count; n < slots; ++n) {
+    to[n * group_rows] = static_cast<std::int32_t>(rows_);
+  }
+}
+
+void NeighborLists::release() {
+  for (auto& column : search_) column.release();
+  grid_.release();
+}
+
+std::size_t NeighborLists::resident_bytes() const {
+  std::size_t bytes = first_slot_.resident_bytes() + neighbor_.resident_bytes() +
+                      source_.resident_bytes() + rank_.resident_bytes() + place_.resident_bytes() +
+                      raw_count_.resident_bytes() + raw_first_.resident_bytes();
+  for (const auto& column : search_) bytes += column.resident_bytes();
+  for (const auto& lists : long_lists_) bytes += lists.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
+}  // namespace salvo::solver

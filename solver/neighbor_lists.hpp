@@ -1,0 +1,125 @@
+// Who may come to touch whom: for every row the rows within a margin, by ascending id. Building the
+// lists also puts the rows into an order in which neighbors in space are near in memory.
+//
+//   look() at the rows  ->  sort() by cells  ->  look() again in that order  ->  build()
+//
+// New rows are the old ones in the order of their cells, within windows by the length of their
+// lists; a list speaks of new rows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "soa/array.hpp"
+#include "solver/cell_grid.hpp"
+#include "solver/contact_pass.hpp"
+#include "solver/contact_rows.hpp"
+
+namespace salvo::solver {
+
+/// A center and, where the row is to be listed, its radius, m; negative where not.
+struct Sight {
+  double position[3];
+  double radius;
+};
+
+class NeighborLists {
+ public:
+  NeighborLists(const ContactKernels& kernels, const Parallel& parallel)
+      : kernels_(kernels), parallel_(parallel) {}
+
+  /// Takes see(row) of whole groups of rows, in the order of the rows.
+  template <class See>
+  void look(std::size_t rows, const See& see) {
+    rows_ = rows;
+    for (auto& column : search_) column.resize(rows + group_rows);
+    take(see, [](std::size_t i) { return i; });
+  }
+  /// Mean radius of the rows that are listed, m; 1 where none is.
+  double mean_radius() const;
+  void sort(double margin, double cell_scale);
+  /// The same again, in the order of the cells.
+  template <class See>
+  void look_in_order(const See& see) {
+    take(see, [this](std::size_t i) { return grid_.order()[i]; });
+  }
+  /// `rank` is the place by id of every old row. `room`, of as many bytes for each row as there
+  /// are, is written to.
+  void build(double margin, const std::uint32_t* rank, std::span<std::byte> room);
+
+  /// Of each group of new rows the first slot and, last, their number.
+  const soa::Array<std::uint64_t>& first_slot() const { return first_slot_; }
+  std::size_t slots() const {
+    return first_slot_.size() == 0 ? 0 : first_slot_[first_slot_.size() - 1];
+  }
+  /// New rows, slot after slot of 16; the number of rows where a list has ended.
+  const soa::Array<std::int32_t>& neighbor() const { return neighbor_; }
+  /// Old row of each new row.
+  const soa::Array<std::uint32_t>& source() const { return source_; }
+  /// Place by id of each new row; it is the solver's to take.
+  soa::Array<std::uint32_t>& rank() { return rank_; }
+  std::uint64_t entries() const { return entries_; }
+
+  /// What was seen, in the order of the cells, and which new row it is.
+  SearchColumns sights() const {
+    return {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
+  }
+  std::size_t new_row(std::size_t i) const { return place_[i].row; }
+
+  /// Gives back what only building needs.
+  void release();
+  std::size_t resident_bytes() const;
+
+ private:
+  // Where a row comes to lie, and its place by id.
+  struct NewPlace {
+    std::uint32_t row;
+    std::uint32_t rank;
+  };
+  // Room for the lists of a task before they are laid out.
+  struct RawLists {
+    std::span<std::uint32_t> room;
+    std::vector<std::uint32_t>* more;
+    std::uint32_t* data() const { return more->empty() ? room.data() : more->data(); }
+  };
+
+  template <class See, class Order>
+  void take(const See& see, const Order& order) {
+    for_rows(parallel_, rows_, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const Sight sight = see(order(i));
+        for (std::size_t c = 0; c < 3; ++c) search_[c][i] = sight.position[c];
+        search_[3][i] = sight.radius;
+      }
+    });
+  }
+  RawLists raw_lists(std::size_t task);
+  void list_rows(double margin);
+  void place_rows(const std::uint32_t* rank);
+  void lay_out();
+  void lay_out_row(const std::uint32_t* raw, std::size_t count, std::int32_t* to, std::size_t slots,
+                   std::vector<NewPlace>& list) const;
+
+  const ContactKernels& kernels_;
+  const Parallel& parallel_;
+  std::size_t rows_ = 0;
+  std::uint64_t entries_ = 0;
+  soa::Array<std::uint64_t> first_slot_;
+  soa::Array<std::int32_t> neighbor_;
+  soa::Array<std::uint32_t> source_;
+  soa::Array<std::uint32_t> rank_;
+
+  CellGrid grid_;
+  soa::Array<double> search_[4];
+  soa::Array<NewPlace> place_;  // of each row in the order of the cells
+  // Lists as they were found, rows in the order of the cells: in the room that is lent, and those
+  // of tasks whose lists are too long for that.
+  std::span<std::byte> room_;
+  std::vector<std::vector<std::uint32_t>> long_lists_;
+  soa::Array<std::uint32_t> raw_count_;
+  soa::Array<std::uint32_t> raw_first_;  // within its task
+};
+
+}  // namespace salvo::solver

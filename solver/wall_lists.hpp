@@ -1,0 +1,59 @@
+// The parts of walls that each group of rows may reach before its lists are built again, and what
+// the contacts with them remember.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "models/contact_law.hpp"
+#include "soa/array.hpp"
+#include "solver/contact_pass.hpp"
+#include "solver/contact_rows.hpp"
+#include "solver/neighbor_lists.hpp"
+#include "solver/walls.hpp"
+
+namespace salvo::solver {
+
+/// Part numbers, slot after slot: one for all rows of a group.
+struct WallParts {
+  soa::Array<std::uint64_t> first_slot;  // of each group, and their number
+  soa::Array<std::uint32_t> part;
+};
+
+/// Which parts come within `margin` of new rows.
+void find_wall_parts(const NeighborLists& lists, std::size_t rows, const Walls& walls,
+                     double margin, const Parallel& parallel, WallParts& found);
+
+template <class T>
+struct WallLists : WallParts {
+  soa::Array<std::uint16_t> touching;
+  soa::Array<T> tangential;
+  soa::Array<T> rolling;
+
+  /// Nothing touches at first.
+  void forget(const models::ContactLaw& law) {
+    const std::size_t slots = part.size();
+    touching.resize(slots);
+    std::fill_n(touching.data(), slots, std::uint16_t{0});
+    const std::size_t numbers = slots * 3 * group_rows;
+    if (law.remembers()) tangential.resize(numbers);
+    if (law.rolls()) rolling.resize(numbers);
+  }
+  /// The kernel reads the slot of all lanes when one of them touched.
+  void clear_slot(std::size_t slot, const models::ContactLaw& law) {
+    constexpr std::size_t numbers = 3 * group_rows;
+    const auto clear = [&](soa::Array<T>& column) {
+      std::fill_n(column.data() + slot * numbers, numbers, T(0));
+    };
+    if (law.remembers()) clear(tangential);
+    if (law.rolls()) clear(rolling);
+  }
+  WallMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
+  std::size_t resident_bytes() const {
+    return first_slot.resident_bytes() + part.resident_bytes() + touching.resident_bytes() +
+           tangential.resident_bytes() + rolling.resident_bytes();
+  }
+};
+
+}  // namespace salvo::solver
