@@ -1,6 +1,6 @@
-// Loads and stores of four neighboring numbers of a record for each lane: the record of a sphere is
-// a few such quads, each one load, and they are turned into packs in registers. Values are only
-// moved, so the bits are those of the plain loop.
+// Loads and stores of four neighboring numbers of a record for each lane: where a sphere is and
+// what else it has are a few such quads, each one load, and they are turned into packs in
+// registers. Values are only moved, so the bits are those of the plain loop.
 #pragma once
 
 #include <array>

@@ -7,8 +7,8 @@
 //   M_r = -R* n x (k_t y + c_t v_r), at most mu_r R* (F_n + F_pull)
 //
 //   linear   F_elastic = k d           c_n = 2 zeta sqrt(k m*)
-//   Hertz    F_elastic = 4/3 E* a d    c_n = 2 zeta sqrt(5/6 m* 2 E* a)   k_t = 8 G* a   a =
-//   sqrt(R* d)
+//   Hertz    F_elastic = 4/3 E* a d    c_n = 2 zeta sqrt(5/6 m* 2 E* a)    k_t = 8 G* a
+//            a = sqrt(R* d)
 //
 // The dashpot never pulls. With that, a head-on impact has the restitution
 //

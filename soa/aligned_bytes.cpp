@@ -33,7 +33,7 @@ std::byte* map(std::size_t size) {
 }
 
 std::size_t whole_pages(std::size_t size) {
-  constexpr std::size_t page = 4096;
+  constexpr std::size_t page = std::size_t{64} << 10;  // the largest that small pages are
   return (size + page - 1) / page * page;
 }
 

@@ -127,11 +127,12 @@ void CellGrid::choose_classes(const SearchColumns& columns, std::size_t rows, do
     CellClass cells;
     cells.largest_radius = extent.largest_radius;
     cells.first_key = cells_;
+    cells.members = extent.members;
     if (extent.members > 0) {
       cells.cell = std::max((2 * extent.largest_radius + margin) * cell_scale * growth_[number],
                             std::numeric_limits<double>::min());
       fit(extent, cells, most_cells / most_classes);
-      cells_ += cells.counts[0] * cells.counts[1] * cells.counts[2];
+      cells_ += cells.cells();
     }
     members_ += extent.members;
     classes_.push_back(cells);

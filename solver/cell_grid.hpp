@@ -28,6 +28,7 @@ struct SearchColumns {
 
 /// Cells across a bar.
 inline constexpr std::uint64_t bar = 8;
+inline constexpr int most_classes = 12;  ///< 4^12 in radius
 
 /// Cells of one size class. The counts along y and z are whole bars.
 struct CellClass {
@@ -37,7 +38,10 @@ struct CellClass {
   std::uint64_t counts[3] = {};
   std::uint64_t first_key = 0;
   double largest_radius = 0;
+  std::uint64_t members = 0;
 
+  /// All of its cells.
+  std::uint64_t cells() const { return counts[0] * counts[1] * counts[2]; }
   /// Of the cell (i, j, k). Keys follow one another along j within a bar.
   std::uint64_t key(std::uint64_t i, std::uint64_t j, std::uint64_t k) const {
     const std::uint64_t number = k / bar * (counts[1] / bar) + j / bar;
@@ -74,8 +78,6 @@ class CellGrid {
   void release();
 
  private:
-  static constexpr int most_classes = 12;  // 4^12 in radius
-
   void choose_classes(const SearchColumns& columns, std::size_t rows, double margin,
                       double cell_scale, const Parallel& parallel);
   void sort(std::size_t rows, int bits, const Parallel& parallel);

@@ -1,6 +1,6 @@
-// The step of particles that touch, compiled once per instruction set: every lane is a particle
-// that sums the forces of its own neighbors in ascending id, so that no sum depends on the order of
-// the rows. A neighbor out of reach is selected to +0.
+// The step of particles that touch, compiled once per instruction set. Lanes are contacts, which
+// are picked out of the lists; a particle sums the forces of its own in ascending id, so that no
+// sum depends on the order of the rows.
 #include <algorithm>
 #include <bit>
 #include <type_traits>
@@ -289,8 +289,10 @@ class Step {
     }
   }
 
-  // Whether two touch if what rounding left out of their positions is as unfavorable as can be:
-  // half a unit in the last place of each coordinate, 2^-24 of it.
+  // Whether two touch if what rounding left out of their positions is as unfavorable as can be.
+  // With u = 2^-24 that is half a unit in the last place of each coordinate, u of it, so that both
+  // together and the rounding of the test itself come to (1 + 5.5 u) reach + 2 u (|x| + |y| + |z|).
+  // Of the 8 u here some pays for the rounding of the sum: 4 u would not do.
   static constexpr double rounding = sizeof(T) == 4 ? 0x1p-21 : 0;
   Mask may_touch(const SphereV& own, V slack, std::size_t slot, std::size_t lane) const {
     SphereV other;
@@ -492,15 +494,14 @@ class Step {
     return {solid.distance, solid.normal, always};
   }
 
-  // Whether a particle may reach a feature of a mesh: most of those that are near some particle of
-  // a group are far from the others. A
-  // hundredth of the radius covers rounding.
-  static bool may_reach(const models::MeshBounds& bounds, Vec3<V> p, V radius) {
+  // Which particles may reach a feature of a mesh: most of those that are near some particle of a
+  // group are far from the others. A hundredth of the radius covers rounding.
+  static Mask may_reach(const models::MeshBounds& bounds, Vec3<V> p, V radius) {
     const V reach = V(1.01) * radius;
     const auto outside = [&](V at, std::size_t axis) {
       return (at + reach < V(bounds.lowest[axis])) | (at - reach > V(bounds.highest[axis]));
     };
-    return !all(outside(p.x, 0) | outside(p.y, 1) | outside(p.z, 2));
+    return !(outside(p.x, 0) | outside(p.y, 1) | outside(p.z, 2));
   }
 
   [[gnu::noinline]] void meet_wall(const SphereV& own, const WallView& view, std::size_t feature,
@@ -508,14 +509,17 @@ class Step {
     const Wall& wall = pass_.walls[view.wall];
     const Vec3<V>& p = view.p;
     SlotMemory<V> memory(pass_.wall_memory, slot, lane);
-    if (wall.shape.shape == models::ObstacleShape::mesh &&
-        !may_reach(wall.shape.mesh->bounds[feature], view.own_axes, own.radius)) {
-      if (memory.touched()) forget(memory);
-      return;
+    Mask near(true);
+    if (wall.shape.shape == models::ObstacleShape::mesh) {
+      near = may_reach(wall.shape.mesh->bounds[feature], view.own_axes, own.radius);
+      if (!any(near)) {
+        if (memory.touched()) forget(memory);
+        return;
+      }
     }
     const WallSurface surface = wall_surface(wall.shape, feature, view, own.radius);
     const V distance = surface.distance;
-    const Mask touching = surface.owns & (distance < own.radius) & (own.radius > V(0));
+    const Mask touching = near & surface.owns & (distance < own.radius) & (own.radius > V(0));
     if (!any(touching)) {
       if (memory.touched()) forget(memory);
       return;
@@ -654,6 +658,7 @@ class Step {
     if constexpr (Law::impulsive) way += sum.shift;
     if constexpr (sizeof(T) == 4) {
       const Vec3<V> gain = own.residual + way;
+      way = gain - own.residual;  // far from the origin not quite what it was to be
       next.position = own.position + gain;
       next.residual = {kernels::sum_error(own.position.x, gain.x, next.position.x),
                        kernels::sum_error(own.position.y, gain.y, next.position.y),

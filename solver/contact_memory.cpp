@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <stdexcept>
 #include <utility>
 
 #include "soa/contact_fields.hpp"
@@ -46,7 +47,11 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
   const soa::Id* id = contacts.ids();
   const auto* partner = contacts.column<std::uint64_t>(index(ContactField::partner));
   const auto rank_of = [&](soa::Id wanted) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(ids, wanted) - ids.begin());
+    const auto at = std::ranges::lower_bound(ids, wanted);
+    if (at == ids.end() || *at != wanted) {
+      throw std::invalid_argument("a contact is of a particle that is not there");
+    }
+    return static_cast<std::uint32_t>(at - ids.begin());
   };
   std::vector<std::array<std::uint32_t, 2>> sides(pairs);
   rows_ = rows;
@@ -65,7 +70,7 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
   resize_entries(entries);
   std::vector<std::uint32_t> next(first_.data(), first_.data() + rows);
   const auto add = [&](std::uint32_t row, std::uint32_t other, std::size_t pair, T sign) {
-    const std::uint32_t entry = next[row]++;
+    const std::size_t entry = next[row]++;
     partner_[entry] = other;
     for (std::size_t c = 0; c < 3; ++c) {
       if (law_.remembers()) {
@@ -93,7 +98,7 @@ void ContactMemory<T>::write(const std::vector<std::uint32_t>& entries,
   contacts.append(entries.size());
   auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
   for (std::size_t pair = 0; pair < entries.size(); ++pair) {
-    const std::uint32_t entry = entries[pair];
+    const std::size_t entry = entries[pair];
     const std::uint32_t partner = partner_[entry];
     contacts.ids()[pair] = owners[pair];
     partners[pair] =
@@ -230,8 +235,8 @@ void ContactMemory<T>::recall_row(const NeighborLists& lists, WallLists<T>& wall
       mark(walls.touching, wall_slot);
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t to = (wall_slot * 3 + c) * group_rows + lane;
-        walls.tangential[to] = tangential_[3 * entry + c];
-        if (law_.rolls()) walls.rolling[to] = rolling_[3 * entry + c];
+        walls.tangential[to] = tangential_[3 * std::size_t{entry} + c];
+        if (law_.rolls()) walls.rolling[to] = rolling_[3 * std::size_t{entry} + c];
       }
     }
   }
@@ -260,15 +265,6 @@ void ContactMemory<T>::take(std::size_t task, const ContactHistory<T>& stepped) 
     std::copy_n(stepped.after + c * stepped.room, stepped.count,
                 history.numbers.data() + c * stepped.count);
   }
-}
-
-template <class T>
-std::size_t ContactMemory<T>::resident_bytes() const {
-  std::size_t bytes = touching_.resident_bytes() + first_.resident_bytes() +
-                      partner_.resident_bytes() + tangential_.resident_bytes() +
-                      rolling_.resident_bytes();
-  for (const TaskHistory& task : history_) bytes += task.numbers.capacity() * sizeof(T);
-  return bytes;
 }
 
 template class ContactMemory<float>;

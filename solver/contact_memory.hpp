@@ -24,7 +24,8 @@ class ContactMemory {
   ContactMemory(const models::ContactLaw& law, const Parallel& parallel)
       : law_(law), parallel_(parallel) {}
 
-  /// Takes over a table of contacts between rows that are sorted by these ids.
+  /// Takes over a table of contacts, sorted by ids, between rows that are sorted by `ids`. Throws
+  /// std::invalid_argument where one is of a particle that is not there.
   void load(const soa::Table& contacts, std::span<const soa::Id> ids, std::size_t rows);
   /// Appends the contacts of the rows that live to an empty table. `rank` is the place by id of
   /// each row, `row_of` the reverse.
@@ -54,7 +55,7 @@ class ContactMemory {
                const soa::Array<std::uint32_t>& rank);
   /// Puts it into new lists.
   void recall(NeighborLists& lists, WallLists<T>& walls);
-  /// The lists have it all, after a look at it.
+  /// Gives back what was collected: the lists, which have not changed since, have it all.
   void release() {
     first_.release();
     partner_.release();
@@ -68,7 +69,6 @@ class ContactMemory {
   void take(std::size_t task, const ContactHistory<T>& stepped);
   /// Numbers that a contact remembers.
   std::size_t columns() const { return law_.rolls() ? 6 : law_.remembers() ? 3 : 0; }
-  std::size_t resident_bytes() const;
 
  private:
   static constexpr std::uint32_t wall_flag = std::uint32_t{1} << 31;

@@ -62,7 +62,6 @@ class Solver final : public ContactSolver {
   std::span<const BadRow> advance(std::int64_t step, bool watch_deaths, bool remove) override;
   std::int64_t next_death(std::int64_t after) const override;
   void store(soa::Table& particles, soa::Table& contacts) override;
-  std::size_t resident_bytes() const override;
 
  private:
   using Place = SpherePlace<T>;
@@ -95,11 +94,11 @@ class Solver final : public ContactSolver {
   }
 
   void build_lists();
-  void choose_margin();
+  void choose_margin(double mean_radius);
   void move_rows();
   void find_bad(std::int64_t step, bool remove);
   template <class Number>
-  void permute(soa::Array<Number>& column) const;
+  void permute(soa::Array<Number>& column, soa::Array<Number>& moved) const;
 
   const Setup& setup_;
   const ContactKernels& kernels_;
@@ -119,6 +118,8 @@ class Solver final : public ContactSolver {
   soa::Array<T> damping_loss_;
   soa::Array<T> friction_loss_;
   soa::Array<T> approaches_;
+  soa::Array<T> moved_;  // room to put a column in order
+  soa::Array<std::int32_t> moved_steps_;
   T uniform_drag_area_ = 0;
   bool equal_ = false;  // of mass and radius
   T uniform_mass_ = 1;
@@ -224,10 +225,11 @@ std::int64_t Solver<T>::next_death(std::int64_t after) const {
 
 template <class T>
 std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths, bool remove) {
-  // A path is a sum of rounded lengths; a thousandth covers what it may be short of.
+  // A path is a sum of rounded lengths: in so many steps it is short by less than a thousandth.
   constexpr double covered = 0.499;
+  constexpr std::int64_t oldest = 8192;
   walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
-  if (!listed_ || longest_path_ + wall_path_ > covered * margin_ ||
+  if (!listed_ || longest_path_ + wall_path_ > covered * margin_ || list_age_ >= oldest ||
       (tuning_.list_interval > 0 && list_age_ >= tuning_.list_interval)) {
     build_lists();
   }
@@ -350,21 +352,25 @@ void Solver<T>::find_bad(std::int64_t step, bool remove) {
 template <class T>
 void Solver<T>::build_lists() {
   const auto see = [this](std::size_t row) { return sight(row); };
+  double rounding = 0;
   {
     const Stopwatch watch(profile_.sort_seconds);
     memory_.collect(lists_, wall_lists_, rank_);
     lists_.look(rows_, see);
-    choose_margin();
-    lists_.sort(margin_, tuning_.cell_scale);
+    const NeighborLists::Extent extent = lists_.extent();
+    choose_margin(extent.mean_radius);
+    // In single precision two may touch that are a little apart.
+    if (sizeof(T) == 4) rounding = 0x1p-20 * extent.largest_radius + 0x1p-44 * extent.farthest;
+    lists_.sort(margin_ + rounding, tuning_.cell_scale);
   }
   {
     const Stopwatch watch(profile_.list_seconds);
     lists_.look_in_order(see);
     // Where the next state goes, nobody looks before it is there.
-    lists_.build(margin_, rank_.data(),
+    lists_.build(margin_ + rounding, rank_.data(),
                  std::as_writable_bytes(std::span(motions_[1].data(), rows_)));
-    find_wall_parts(lists_, rows_, walls_, margin_, parallel_, wall_lists_);
-    wall_lists_.forget(law());
+    find_wall_parts(lists_, rows_, walls_, margin_ + rounding, parallel_, wall_lists_);
+    wall_lists_.make_room(law());
     memory_.recall(lists_, wall_lists_);
   }
   {
@@ -383,12 +389,11 @@ void Solver<T>::build_lists() {
 // Wide margins make long lists, narrow ones many: about twenty steps a list is near the optimum and
 // flat around it.
 template <class T>
-void Solver<T>::choose_margin() {
+void Solver<T>::choose_margin(double mean_radius) {
   if (tuning_.margin > 0) {
     margin_ = tuning_.margin;
     return;
   }
-  const double mean_radius = lists_.mean_radius();
   if (margin_ == 0) margin_ = 0.2 * mean_radius;
   if (listed_ && list_age_ < 10) margin_ *= 1.5;
   if (listed_ && list_age_ > 60) margin_ *= 0.7;
@@ -397,8 +402,7 @@ void Solver<T>::choose_margin() {
 
 template <class T>
 template <class Number>
-void Solver<T>::permute(soa::Array<Number>& column) const {
-  soa::Array<Number> moved;
+void Solver<T>::permute(soa::Array<Number>& column, soa::Array<Number>& moved) const {
   moved.resize(rows_);
   for_rows([&](std::size_t first, std::size_t last) {
     for (std::size_t row = first; row < last; ++row) moved[row] = column[lists_.source()[row]];
@@ -418,12 +422,12 @@ void Solver<T>::move_rows() {
   });
   places_[0].swap(places_[1]);
   motions_[0].swap(motions_[1]);
-  rank_.swap(lists_.rank());
-  if (has_drag_area_) permute(drag_area_);
-  if (has_death_) permute(death_);
+  lists_.take_rank(rank_);
+  if (has_drag_area_) permute(drag_area_, moved_);
+  if (has_death_) permute(death_, moved_steps_);
   if (law().energy_budget) {
-    permute(damping_loss_);
-    permute(friction_loss_);
+    permute(damping_loss_, moved_);
+    permute(friction_loss_, moved_);
   }
 }
 
@@ -467,17 +471,6 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
     memory_.store({ids_, particles_}, rank_, row_of, alive, contacts);
   }
   if (listed_) memory_.release();
-}
-
-template <class T>
-std::size_t Solver<T>::resident_bytes() const {
-  std::size_t bytes = lists_.resident_bytes() + wall_lists_.resident_bytes() +
-                      memory_.resident_bytes() + rank_.resident_bytes() +
-                      drag_area_.resident_bytes() + death_.resident_bytes() +
-                      damping_loss_.resident_bytes() + friction_loss_.resident_bytes();
-  for (const auto& places : places_) bytes += places.resident_bytes();
-  for (const auto& motions : motions_) bytes += motions.resident_bytes();
-  return bytes;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Steps particles that touch each other and obstacles. Between two looks at the state the particles
-// rest here, as records in an order of the broad phase's choice, with the lists of who is near whom
+// rest here, in an order of the broad phase's choice, with the lists of who is near whom
 // and what each contact remembers; store() writes them back by id.
 //
 // Lists are built with a margin and used until a particle may have gone half of it. The margin, the
@@ -57,7 +57,6 @@ class ContactSolver {
 
   std::uint64_t steps_taken() const { return steps_taken_; }
   const ContactProfile& profile() const { return profile_; }
-  virtual std::size_t resident_bytes() const = 0;
 
  protected:
   std::uint64_t steps_taken_ = 0;

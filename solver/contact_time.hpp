@@ -1,10 +1,9 @@
 // How long a contact lasts, and the time step that follows it.
 //
 //   linear   t = pi sqrt(m*/k) without damping: see kernels::impact_duration. A step is t/50.
-//   Hertz    An impact takes longer the slower it is; the wave that crosses the smallest sphere,
-//   the
-//            Rayleigh time pi R sqrt(rho/G)/(0.1631 nu + 0.8766), is shorter than any. A step is a
-//            fifth of it.   [Li, Xu & Thornton 2005]
+//   Hertz    An impact takes longer the slower it is. The wave that crosses the smallest sphere
+//            takes the Rayleigh time, pi R sqrt(rho/G)/(0.1631 nu + 0.8766), shorter than any.
+//            A step is a fifth of it.   [Li, Xu & Thornton 2005]
 #pragma once
 
 namespace salvo::solver {

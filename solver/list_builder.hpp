@@ -162,7 +162,14 @@ class ListBuilder {
         along[axis] = {cell_along(c, axis, box.lowest[axis] - reach),
                        cell_along(c, axis, box.highest[axis] + reach)};
       }
-      if (!fetch_cells(c, along)) return false;
+      // Cells that outnumber what is in them take longer to visit.
+      const auto across = [&](std::size_t axis) {
+        return static_cast<double>(along[axis].last - along[axis].first + 1);
+      };
+      const bool few = across(0) * across(1) * across(2) > 64 + static_cast<double>(c.members);
+      if (!(few ? fetch(c.first_key, c.first_key + c.cells()) : fetch_cells(c, along))) {
+        return false;
+      }
       end_segment();
     }
     return true;
@@ -303,6 +310,7 @@ class ListBuilder {
   static constexpr std::size_t nowhere = ~std::size_t{0} / 2;
   std::size_t own_place_[most_rows];  // among the candidates
   static constexpr std::size_t most_segments = 16;
+  static_assert(most_segments >= most_classes, "one of each class, and no more");
   Segment segment_[most_segments];
   std::size_t segments_ = 0;
 

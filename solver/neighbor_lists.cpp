@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -25,18 +26,25 @@ std::size_t length_class(std::uint32_t entries) {
 
 }  // namespace
 
-double NeighborLists::mean_radius() const {
+NeighborLists::Extent NeighborLists::extent() const {
   struct Part {
     double sum = 0;
     std::size_t listed = 0;
+    double largest = 0;
+    double farthest = 0;
   };
   std::vector<Part> parts(tasks_of(rows_, rows_per_task));
   for_rows(parallel_, rows_, [&](std::size_t first, std::size_t last) {
     Part part;
     for (std::size_t i = first; i < last; ++i) {
       const double radius = search_[3][i];
-      part.sum += std::max(radius, 0.0);
-      part.listed += radius > 0 ? 1 : 0;
+      if (!(radius > 0)) continue;
+      part.sum += radius;
+      ++part.listed;
+      part.largest = std::max(part.largest, radius);
+      for (std::size_t c = 0; c < 3; ++c) {
+        part.farthest = std::max(part.farthest, std::abs(search_[c][i]));
+      }
     }
     parts[first / rows_per_task] = part;
   });
@@ -44,8 +52,12 @@ double NeighborLists::mean_radius() const {
   for (const Part& part : parts) {
     all.sum += part.sum;
     all.listed += part.listed;
+    all.largest = std::max(all.largest, part.largest);
+    all.farthest = std::max(all.farthest, part.farthest);
   }
-  return all.listed == 0 ? 1 : all.sum / static_cast<double>(all.listed);
+  Extent extent{.largest_radius = all.largest, .farthest = all.farthest};
+  if (all.listed > 0) extent.mean_radius = all.sum / static_cast<double>(all.listed);
+  return extent;
 }
 
 void NeighborLists::sort(double margin, double cell_scale) {
@@ -217,15 +229,6 @@ void NeighborLists::lay_out_row(const std::uint32_t* raw, std::size_t count, std
 void NeighborLists::release() {
   for (auto& column : search_) column.release();
   grid_.release();
-}
-
-std::size_t NeighborLists::resident_bytes() const {
-  std::size_t bytes = first_slot_.resident_bytes() + neighbor_.resident_bytes() +
-                      source_.resident_bytes() + rank_.resident_bytes() + place_.resident_bytes() +
-                      raw_count_.resident_bytes() + raw_first_.resident_bytes();
-  for (const auto& column : search_) bytes += column.resident_bytes();
-  for (const auto& lists : long_lists_) bytes += lists.capacity() * sizeof(std::uint32_t);
-  return bytes;
 }
 
 }  // namespace salvo::solver

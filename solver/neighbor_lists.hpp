@@ -37,8 +37,13 @@ class NeighborLists {
     for (auto& column : search_) column.resize(rows + group_rows);
     take(see, [](std::size_t i) { return i; });
   }
-  /// Mean radius of the rows that are listed, m; 1 where none is.
-  double mean_radius() const;
+  /// Of the rows that are listed, m.
+  struct Extent {
+    double mean_radius = 1;  // where none is listed
+    double largest_radius = 0;
+    double farthest = 0;  // largest coordinate
+  };
+  Extent extent() const;
   void sort(double margin, double cell_scale);
   /// The same again, in the order of the cells.
   template <class See>
@@ -58,8 +63,9 @@ class NeighborLists {
   const soa::Array<std::int32_t>& neighbor() const { return neighbor_; }
   /// Old row of each new row.
   const soa::Array<std::uint32_t>& source() const { return source_; }
-  /// Place by id of each new row; it is the solver's to take.
-  soa::Array<std::uint32_t>& rank() { return rank_; }
+  /// Place by id of each new row, until it is taken in exchange for the old.
+  const soa::Array<std::uint32_t>& rank() const { return rank_; }
+  void take_rank(soa::Array<std::uint32_t>& rank) { rank_.swap(rank); }
   std::uint64_t entries() const { return entries_; }
 
   /// What was seen, in the order of the cells, and which new row it is.
@@ -70,7 +76,6 @@ class NeighborLists {
 
   /// Gives back what only building needs.
   void release();
-  std::size_t resident_bytes() const;
 
  private:
   // Where a row comes to lie, and its place by id.

@@ -31,8 +31,8 @@ struct WallLists : WallParts {
   soa::Array<T> tangential;
   soa::Array<T> rolling;
 
-  /// Nothing touches at first.
-  void forget(const models::ContactLaw& law) {
+  /// Room for the parts, which nothing touches at first.
+  void make_room(const models::ContactLaw& law) {
     const std::size_t slots = part.size();
     touching.resize(slots);
     std::fill_n(touching.data(), slots, std::uint16_t{0});
@@ -50,10 +50,6 @@ struct WallLists : WallParts {
     if (law.rolls()) clear(rolling);
   }
   WallMemory<T> memory() { return {touching.data(), tangential.data(), rolling.data()}; }
-  std::size_t resident_bytes() const {
-    return first_slot.resident_bytes() + part.resident_bytes() + touching.resident_bytes() +
-           tangential.resident_bytes() + rolling.resident_bytes();
-  }
 };
 
 }  // namespace salvo::solver

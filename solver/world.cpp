@@ -171,7 +171,8 @@ std::uint64_t World::state_bytes(const Setup& setup) {
 }
 
 World::World(const Setup& setup, const Execution& execution)
-    : setup_(checked(setup)),
+    : kept_setup_(std::make_unique<Setup>(checked(setup))),
+      setup_(*kept_setup_),
       execution_(checked(execution)),
       parallel_(std::make_unique<Parallel>(execution.threads)),
       particles_(empty_table(setup)),

@@ -170,7 +170,8 @@ class World {
   void remove_dead();
   void find_next_death(std::size_t first_row);  // among the rows from this one on
 
-  Setup setup_;
+  std::unique_ptr<Setup> kept_setup_;  // stays in its place when the world is moved
+  Setup& setup_;
   Execution execution_;
   std::unique_ptr<Parallel> parallel_;
   soa::Table particles_;

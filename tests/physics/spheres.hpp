@@ -40,6 +40,14 @@ inline ContactLaw hertz(double young, double restitution, double friction = 0) {
   return law;
 }
 
+inline ContactLaw impulse(double restitution, double friction = 0) {
+  ContactLaw law;
+  law.kind = ContactLawKind::impulse;
+  law.restitution = restitution;
+  law.friction = friction;
+  return law;
+}
+
 /// No particles and no gravity.
 inline solver::Setup touching_setup(const ContactLaw& law,
                                     Precision precision = Precision::float64) {
