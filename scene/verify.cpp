@@ -140,12 +140,15 @@ soa::Table selected(const soa::Table& table, const Setup& setup, Keeps&& keeps) 
   return selection;
 }
 
+// Of a run without a frame on the way also its middle: one that is resumed at the start shows
+// nothing.
 std::vector<std::int64_t> frame_steps(const Scene& scene) {
   std::vector<std::int64_t> steps;
   for (std::int64_t step = 0; step <= scene.steps; step += scene.frames.every) {
     steps.push_back(step);
   }
   if (steps.back() != scene.steps) steps.push_back(scene.steps);
+  if (steps.size() == 2 && scene.steps > 1) steps.insert(steps.begin() + 1, scene.steps / 2);
   return steps;
 }
 
