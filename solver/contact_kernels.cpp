@@ -29,6 +29,8 @@ struct Sphere {
   V radius, mass, path;
 };
 
+constexpr std::int32_t consecutive[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
 constexpr std::size_t place_numbers = 4;
 constexpr std::size_t motion_numbers = 12;
 
@@ -193,6 +195,55 @@ struct Surfaces {
   V restitution;
 };
 
+// Neighbors are anywhere, which no hardware foresees; but the lists say where.
+constexpr std::size_t prefetch_groups = 3;
+template <class T, class Pass>
+[[gnu::always_inline]] inline void prefetch(const SpherePlace<T>* places, const Pass& pass,
+                                            std::size_t group) {
+  if (group >= pass.last_group) return;
+  const std::int32_t* end = pass.neighbor + pass.first_slot[group + 1] * group_rows;
+  for (const std::int32_t* index = pass.neighbor + pass.first_slot[group] * group_rows; index < end;
+       ++index) {
+    __builtin_prefetch(places + *index);
+  }
+}
+
+// Whether two touch if what rounding left out of their positions is as unfavorable as can be.
+// With u = 2^-24 that is half a unit in the last place of each coordinate, u of it, so that both
+// together and the rounding of the test itself come to (1 + 5.5 u) reach + 2 u (|x| + |y| + |z|).
+// Of the 8 u here some pays for the rounding of the sum: 4 u would not do.
+template <class V>
+constexpr double rounding = sizeof(typename V::Real) == 4 ? 0x1p-21 : 0;
+
+// A radius that is no radius is so negative that its square's sign decides.
+template <class V>
+typename V::Mask reaches(Vec3<V> offset, V reach) {
+  return norm_squared(offset) < reach * abs(reach);
+}
+
+// Who of some slots of a group may be within a margin of touching, by their places alone, as bits.
+template <class V>
+[[gnu::always_inline]] inline void find_near(const SpherePlace<typename V::Real>* places,
+                                             std::size_t group, V margin,
+                                             const std::int32_t* neighbor, std::size_t slots,
+                                             std::uint16_t* near) {
+  for (std::size_t lane = 0; lane < group_rows; lane += V::width) {
+    Sphere<V> own;
+    load_place(places + group * group_rows + lane, consecutive, own);
+    own.radius = own.radius + margin;
+    const V slack =
+        (abs(own.position.x) + abs(own.position.y) + abs(own.position.z)) * V(rounding<V>);
+    for (std::size_t n = 0; n < slots; ++n) {
+      Sphere<V> other;
+      load_place(places, neighbor + n * group_rows + lane, other);
+      V reach = own.radius + other.radius;
+      if constexpr (rounding < V >> 0) reach = reach * V(1 + rounding<V>) + slack;
+      const std::uint32_t now = bits(reaches(own.position - other.position, reach));
+      near[n] = static_cast<std::uint16_t>((lane == 0 ? 0U : near[n]) | now << lane);
+    }
+  }
+}
+
 // `Counting`: no step, but how many contacts of each row approach.
 template <class Law, bool Friction, bool Rolling, bool Counting = false>
 class Step {
@@ -235,21 +286,11 @@ class Step {
     first_row_ = first * group_rows;
     std::fill_n(sums_, (last - first) * group_rows * results, T(0));
     for (std::size_t group = first; group < last; ++group) {
-      prefetch(group + prefetch_groups);
+      prefetch(pass_.from.place, pass_, group + prefetch_groups);
       find_contacts(group);
     }
     meet_batch();
     for (std::size_t row = first_row_; row < last * group_rows; row += V::width) advance_pack(row);
-  }
-
-  // Neighbors are anywhere, which no hardware foresees; but the lists say where.
-  [[gnu::always_inline]] void prefetch(std::size_t group) const {
-    if (group >= pass_.last_group) return;
-    const std::int32_t* end = pass_.neighbor + pass_.first_slot[group + 1] * group_rows;
-    for (const std::int32_t* index = pass_.neighbor + pass_.first_slot[group] * group_rows;
-         index < end; ++index) {
-      __builtin_prefetch(pass_.from.place + *index);
-    }
   }
 
   void advance_pack(std::size_t row) {
@@ -274,35 +315,11 @@ class Step {
     const std::size_t last = pass_.first_slot[group + 1];
     for (std::size_t start = pass_.first_slot[group]; start < last; start += most) {
       const std::size_t count = std::min(most, last - start);
-      std::uint16_t near[most] = {};
-      for (std::size_t lane = 0; lane < group_rows; lane += V::width) {
-        SphereV own;
-        load_place(pass_.from.place + group * group_rows + lane, consecutive, own);
-        const V slack =
-            (abs(own.position.x) + abs(own.position.y) + abs(own.position.z)) * V(rounding);
-        for (std::size_t n = 0; n < count; ++n) {
-          const std::uint32_t now = bits(may_touch(own, slack, start + n, lane));
-          near[n] = static_cast<std::uint16_t>(near[n] | now << lane);
-        }
-      }
+      std::uint16_t near[most];
+      find_near(pass_.from.place, group, V(0), pass_.neighbor + start * group_rows, count, near);
       for (std::size_t n = 0; n < count; ++n) pick_contacts(group, start + n, near[n]);
     }
   }
-
-  // Whether two touch if what rounding left out of their positions is as unfavorable as can be.
-  // With u = 2^-24 that is half a unit in the last place of each coordinate, u of it, so that both
-  // together and the rounding of the test itself come to (1 + 5.5 u) reach + 2 u (|x| + |y| + |z|).
-  // Of the 8 u here some pays for the rounding of the sum: 4 u would not do.
-  static constexpr double rounding = sizeof(T) == 4 ? 0x1p-21 : 0;
-  Mask may_touch(const SphereV& own, V slack, std::size_t slot, std::size_t lane) const {
-    SphereV other;
-    load_place(pass_.from.place, pass_.neighbor + slot * group_rows + lane, other);
-    V reach = own.radius + other.radius;
-    if constexpr (rounding > 0) reach = reach * V(1 + rounding) + slack;
-    return reaches(own.position - other.position, reach);
-  }
-  // A radius that is no radius is so negative that its square's sign decides.
-  static Mask reaches(Vec3<V> offset, V reach) { return norm_squared(offset) < reach * abs(reach); }
 
   void pick_contacts(std::size_t group, std::size_t slot, std::uint32_t near) {
     std::uint32_t touched = 0;
@@ -715,10 +732,6 @@ class Step {
     }
   }
 
-  static constexpr std::size_t prefetch_groups = 3;
-  static constexpr std::int32_t consecutive[16] = {0, 1, 2,  3,  4,  5,  6,  7,
-                                                   8, 9, 10, 11, 12, 13, 14, 15};
-
   ContactPass<T>& pass_;
   const Law law_;
   const Surfaces<V> between_;
@@ -799,13 +812,25 @@ void count(ContactPass<T>& pass) {
                     : Step<Impulse<V>, false, false, true>(pass).advance();
 }
 
+template <class T>
+void prune(PrunePass<T>& pass) {
+  using V = kernels::NativeLane<T>;
+  for (std::size_t group = pass.first_group; group < pass.last_group; ++group) {
+    prefetch(pass.place, pass, group + prefetch_groups);
+    const std::size_t first = pass.first_slot[group];
+    find_near(pass.place, group, V(pass.margin), pass.neighbor + first * group_rows,
+              pass.first_slot[group + 1] - first, pass.near + first);
+  }
+}
+
 void list_neighbors(ListPass& pass) { ListBuilder(pass).build(); }
 
 }  // namespace
 
 extern const ContactKernels contact_kernel_table;
-const ContactKernels contact_kernel_table{&list_neighbors, &advance<float>, &advance<double>,
-                                          &count<float>, &count<double>};
+const ContactKernels contact_kernel_table{&list_neighbors, &prune<float>,    &prune<double>,
+                                          &advance<float>, &advance<double>, &count<float>,
+                                          &count<double>};
 
 }  // namespace SALVO_ISA
 }  // namespace salvo::solver

@@ -31,7 +31,13 @@ void for_contacts(const soa::Array<std::uint64_t>& first_slot,
 }  // namespace
 
 template <class T>
-void ContactMemory<T>::resize_entries(std::size_t entries) {
+void ContactMemory<T>::share_out() {
+  std::uint32_t entries = 0;
+  for (std::size_t row = 0; row < rows_; ++row) {
+    Entries& own = entries_[row];
+    own.first = std::exchange(entries, entries + own.last);
+    own.last = own.first;
+  }
   partner_.resize(entries);
   if (law_.remembers()) tangential_.resize(3 * entries);
   if (law_.rolls()) rolling_.resize(3 * entries);
@@ -55,22 +61,19 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
   };
   std::vector<std::array<std::uint32_t, 2>> sides(pairs);
   rows_ = rows;
-  first_.resize(rows + 1);
-  std::fill_n(first_.data(), rows + 1, 0U);
+  entries_.resize(rows);
+  std::fill_n(entries_.data(), rows, Entries{});
   for (std::size_t pair = 0; pair < pairs; ++pair) {
     const bool wall = soa::stream_of(partner[pair]) == soa::max_stream;
     sides[pair] = {rank_of(id[pair]),
                    wall ? wall_flag | static_cast<std::uint32_t>(soa::serial_of(partner[pair]))
                         : rank_of(partner[pair])};
-    ++first_[sides[pair][0]];
-    if (!wall) ++first_[sides[pair][1]];
+    ++entries_[sides[pair][0]].last;
+    if (!wall) ++entries_[sides[pair][1]].last;
   }
-  std::uint32_t entries = 0;
-  for (std::size_t row = 0; row <= rows; ++row) entries += std::exchange(first_[row], entries);
-  resize_entries(entries);
-  std::vector<std::uint32_t> next(first_.data(), first_.data() + rows);
+  share_out();
   const auto add = [&](std::uint32_t row, std::uint32_t other, std::size_t pair, T sign) {
-    const std::size_t entry = next[row]++;
+    const std::size_t entry = entries_[row].last++;
     partner_[entry] = other;
     for (std::size_t c = 0; c < 3; ++c) {
       if (law_.remembers()) {
@@ -117,32 +120,28 @@ void ContactMemory<T>::write(const std::vector<std::uint32_t>& entries,
 // ---- from lists to rows and back ----------------------------------------------------------------
 
 template <class T>
-void ContactMemory<T>::collect(const NeighborLists& lists, const WallLists<T>& walls,
+void ContactMemory<T>::collect(const SlotLists& lists, const WallLists<T>& walls,
                                const soa::Array<std::uint32_t>& rank) {
   if (std::exchange(collected_, true) || !law_.remembers()) return;
-  first_.resize(rows_ + 1);
+  entries_.resize(rows_);
   for_groups(parallel_, rows_, [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t group = first; group < last; ++group) {
-      std::uint32_t* counts = first_.data() + group * group_rows;
-      std::fill_n(counts, group_rows, 0U);
-      const auto count = [&](std::size_t, std::size_t lane) { ++counts[lane]; };
-      for_contacts(lists.first_slot(), touching_, group, count);
+      Entries* own = entries_.data() + group * group_rows;
+      std::fill_n(own, group_rows, Entries{});
+      const auto count = [&](std::size_t, std::size_t lane) { ++own[lane].last; };
+      for_contacts(lists.first_slot, touching_, group, count);
       for_contacts(walls.first_slot, walls.touching, group, count);
     }
   });
-  std::uint32_t entries = 0;
-  for (std::size_t row = 0; row < rows_; ++row) entries += std::exchange(first_[row], entries);
-  first_[rows_] = entries;
-  resize_entries(entries);
+  share_out();
   for_groups(parallel_, rows_, [&](std::size_t task, std::size_t first, std::size_t last) {
     const TaskHistory& history = history_[task];
     std::size_t contact = 0;
     for (std::size_t group = first; group < last; ++group) {
-      std::array<std::uint32_t, group_rows> next;
-      std::copy_n(first_.data() + group * group_rows, group_rows, next.data());
-      for_contacts(lists.first_slot(), touching_, group, [&](std::size_t slot, std::size_t lane) {
-        const std::size_t entry = next[lane]++;
-        const std::int32_t other = lists.neighbor()[slot * group_rows + lane];
+      Entries* own = entries_.data() + group * group_rows;
+      for_contacts(lists.first_slot, touching_, group, [&](std::size_t slot, std::size_t lane) {
+        const std::size_t entry = own[lane].last++;
+        const std::int32_t other = lists.neighbor[slot * group_rows + lane];
         partner_[entry] = rank[static_cast<std::size_t>(other)];
         const T* from = history.numbers.data() + contact;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -153,7 +152,7 @@ void ContactMemory<T>::collect(const NeighborLists& lists, const WallLists<T>& w
       });
       for_contacts(walls.first_slot, walls.touching, group,
                    [&](std::size_t slot, std::size_t lane) {
-                     const std::size_t entry = next[lane]++;
+                     const std::size_t entry = own[lane].last++;
                      partner_[entry] = wall_flag | walls.part[slot];
                      for (std::size_t c = 0; c < 3; ++c) {
                        const std::size_t from = (slot * 3 + c) * group_rows + lane;
@@ -166,25 +165,31 @@ void ContactMemory<T>::collect(const NeighborLists& lists, const WallLists<T>& w
 }
 
 template <class T>
-void ContactMemory<T>::recall(NeighborLists& lists, WallLists<T>& walls) {
+void ContactMemory<T>::move_rows(const soa::Array<std::uint32_t>& source) {
+  if (!law_.remembers()) return;
+  permute(parallel_, rows_, source, entries_, moved_);
+}
+
+template <class T>
+void ContactMemory<T>::recall(const SlotLists& lists, WallLists<T>& walls,
+                              const soa::Array<std::uint32_t>& rank) {
   collected_ = false;
   if (!law_.remembers()) return;
   touching_.resize(lists.slots());
   history_.resize(tasks_of(rows_, rows_per_task));
-  const std::uint32_t* rank = lists.rank().data();
   for_groups(parallel_, rows_, [&](std::size_t task, std::size_t first, std::size_t last) {
     constexpr std::uint32_t nobody = ~std::uint32_t{0};
     std::vector<std::uint32_t> entries;   // of what is remembered, by slot and lane
     std::vector<std::uint32_t> contacts;  // of the task, in the order of the slots
     for (std::size_t group = first; group < last; ++group) {
-      const std::size_t first_slot = lists.first_slot()[group];
-      const std::size_t slots = lists.first_slot()[group + 1] - first_slot;
+      const std::size_t first_slot = lists.first_slot[group];
+      const std::size_t slots = lists.first_slot[group + 1] - first_slot;
       std::fill_n(touching_.data() + first_slot, slots, std::uint16_t{0});
       entries.assign(slots * group_rows, nobody);
       for (std::size_t lane = 0; lane < group_rows; ++lane) {
-        recall_row(lists, walls, rank, group, lane, entries.data());
+        recall_row(lists, walls, rank.data(), group, lane, entries.data());
       }
-      for_contacts(lists.first_slot(), touching_, group, [&](std::size_t slot, std::size_t lane) {
+      for_contacts(lists.first_slot, touching_, group, [&](std::size_t slot, std::size_t lane) {
         contacts.push_back(entries[(slot - first_slot) * group_rows + lane]);
       });
     }
@@ -204,23 +209,23 @@ void ContactMemory<T>::recall(NeighborLists& lists, WallLists<T>& walls) {
 // Marks the contacts of a row in the lists and says which entry of what is remembered is whose.
 // Lists and memories both ascend.
 template <class T>
-void ContactMemory<T>::recall_row(const NeighborLists& lists, WallLists<T>& walls,
+void ContactMemory<T>::recall_row(const SlotLists& lists, WallLists<T>& walls,
                                   const std::uint32_t* rank, std::size_t group, std::size_t lane,
                                   std::uint32_t* entries) {
-  const std::uint64_t first_slot = lists.first_slot()[group];
-  const std::uint64_t last_slot = lists.first_slot()[group + 1];
+  const std::uint64_t first_slot = lists.first_slot[group];
+  const std::uint64_t last_slot = lists.first_slot[group + 1];
   const std::uint64_t last_wall_slot = walls.first_slot[group + 1];
   std::uint64_t slot = first_slot;
   std::uint64_t wall_slot = walls.first_slot[group];
-  const std::size_t source = lists.source()[group * group_rows + lane];
+  const Entries own = entries_[group * group_rows + lane];
   const auto mark = [&](soa::Array<std::uint16_t>& touching, std::uint64_t at) {
     touching[at] = static_cast<std::uint16_t>(touching[at] | 1U << lane);
   };
   const auto rank_at = [&](std::uint64_t s) {
-    const auto other = static_cast<std::size_t>(lists.neighbor()[s * group_rows + lane]);
+    const auto other = static_cast<std::size_t>(lists.neighbor[s * group_rows + lane]);
     return other == rows_ ? wall_flag : rank[other];
   };
-  for (std::uint32_t entry = first_[source]; entry < first_[source + 1]; ++entry) {
+  for (std::uint32_t entry = own.first; entry < own.last; ++entry) {
     const std::uint32_t partner = partner_[entry];
     if ((partner & wall_flag) == 0) {
       while (slot < last_slot && rank_at(slot) < partner) ++slot;

@@ -41,7 +41,7 @@ class ContactMemory {
     for (std::size_t place = 0; place < ids.size(); ++place) {
       const std::size_t row = row_of[place];
       if (!lives(row)) continue;
-      for (std::uint32_t entry = first_[row]; entry < first_[row + 1]; ++entry) {
+      for (std::uint32_t entry = entries_[row].first; entry < entries_[row].last; ++entry) {
         if (!of_pair(row, partner_[entry])) continue;
         entries.push_back(entry);
         owners.push_back(ids[place]);
@@ -51,13 +51,16 @@ class ContactMemory {
   }
 
   /// Moves all out of the lists, in the order of the rows; nothing where it is there already.
-  void collect(const NeighborLists& lists, const WallLists<T>& walls,
+  void collect(const SlotLists& lists, const WallLists<T>& walls,
                const soa::Array<std::uint32_t>& rank);
+  /// Follows rows that were moved, in between.
+  void move_rows(const soa::Array<std::uint32_t>& source);
   /// Puts it into new lists.
-  void recall(NeighborLists& lists, WallLists<T>& walls);
+  void recall(const SlotLists& lists, WallLists<T>& walls, const soa::Array<std::uint32_t>& rank);
   /// Gives back what was collected: the lists, which have not changed since, have it all.
   void release() {
-    first_.release();
+    entries_.release();
+    moved_.release();
     partner_.release();
     tangential_.release();
     rolling_.release();
@@ -88,8 +91,14 @@ class ContactMemory {
     }
   };
 
-  void resize_entries(std::size_t entries);
-  void recall_row(const NeighborLists& lists, WallLists<T>& walls, const std::uint32_t* rank,
+  // Of a row, within what is collected.
+  struct Entries {
+    std::uint32_t first = 0;
+    std::uint32_t last = 0;  // at first their number, and then up to where they are filled in
+  };
+
+  void share_out();
+  void recall_row(const SlotLists& lists, WallLists<T>& walls, const std::uint32_t* rank,
                   std::size_t group, std::size_t lane, std::uint32_t* entries);
   void write(const std::vector<std::uint32_t>& entries, const std::vector<soa::Id>& owners,
              std::span<const soa::Id> ids, soa::Table& contacts) const;
@@ -104,7 +113,8 @@ class ContactMemory {
   // By rows: partners in ascending order, particles before walls.
   bool collected_ = false;
   std::size_t rows_ = 0;
-  soa::Array<std::uint32_t> first_;    // of each row, and their number
+  soa::Array<Entries> entries_;
+  soa::Array<Entries> moved_;          // room to put them in order
   soa::Array<std::uint32_t> partner_;  // rank, or wall_flag | part of a wall
   soa::Array<T> tangential_;           // three for each
   soa::Array<T> rolling_;

@@ -128,6 +128,18 @@ struct ContactPass {
   bool bad = false;               ///< a row is not finite or out of the domain
 };
 
+/// Which entries of the lists of some groups are within a margin of touching.
+template <class T>
+struct PrunePass {
+  std::size_t first_group = 0;
+  std::size_t last_group = 0;
+  const SpherePlace<T>* place = nullptr;
+  const std::uint64_t* first_slot = nullptr;  // of each group and, last, their number
+  const std::int32_t* neighbor = nullptr;
+  T margin = 0;                   // m
+  std::uint16_t* near = nullptr;  ///< a result: the rows of each slot, as bits
+};
+
 /// The lists of rows in the order of the cells, as runs of such rows.
 struct ListPass {
   std::size_t first_row = 0;
@@ -145,6 +157,8 @@ struct ListPass {
 /// The kernels of one instruction set.
 struct ContactKernels {
   void (*list_neighbors)(ListPass&);
+  void (*prune_float32)(PrunePass<float>&);
+  void (*prune_float64)(PrunePass<double>&);
   void (*advance_float32)(ContactPass<float>&);
   void (*advance_float64)(ContactPass<double>&);
   /// Of the impulse law, before the step: fills `approaches`.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
+#include "soa/array.hpp"
 #include "solver/contact_pass.hpp"
 #include "solver/parallel.hpp"
 
@@ -33,6 +35,17 @@ void for_groups(const Parallel& parallel, std::size_t rows, const Task& task) {
     const std::size_t first = number * groups_per_task;
     task(number, first, std::min(groups, first + groups_per_task));
   });
+}
+
+/// Puts a column into the order of new rows. `room` is written to.
+template <class Number>
+void permute(const Parallel& parallel, std::size_t rows, const soa::Array<std::uint32_t>& source,
+             soa::Array<Number>& column, soa::Array<Number>& room) {
+  room.resize(rows);
+  for_rows(parallel, rows, [&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) room[row] = column[source[row]];
+  });
+  column.swap(room);
 }
 
 }  // namespace salvo::solver

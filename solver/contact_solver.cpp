@@ -30,6 +30,10 @@ constexpr std::size_t index(Field field) {
   return static_cast<std::size_t>(field);
 }
 
+// Two come nearer by twice what each goes. A path is a sum of rounded lengths: in as many steps as
+// a list is used it is short by less than a thousandth.
+constexpr double covered = 0.499;
+
 class Stopwatch {
  public:
   explicit Stopwatch(double& seconds) : seconds_(seconds) {}
@@ -94,11 +98,11 @@ class Solver final : public ContactSolver {
   }
 
   void build_lists();
-  void choose_margin(double mean_radius);
+  void sort_rows();
+  void choose_margins(double mean_radius);
   void move_rows();
+  void forget_paths();
   void find_bad(std::int64_t step, bool remove);
-  template <class Number>
-  void permute(soa::Array<Number>& column, soa::Array<Number>& moved) const;
 
   const Setup& setup_;
   const ContactKernels& kernels_;
@@ -129,8 +133,11 @@ class Solver final : public ContactSolver {
 
   bool listed_ = false;
   double margin_ = 0;
+  double outer_margin_ = 0;
+  double rounding_ = 0;        // that positions in single precision may be off, m
   double wall_path_ = 0;       // m, of the walls since the lists were built
   double longest_path_ = 0;    // m, of the particles
+  double outer_path_ = 0;      // m, that at most since the outer lists were built, up to the inner
   std::int64_t list_age_ = 0;  // steps
   NeighborLists lists_;
   WallLists<T> wall_lists_;
@@ -225,8 +232,6 @@ std::int64_t Solver<T>::next_death(std::int64_t after) const {
 
 template <class T>
 std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths, bool remove) {
-  // A path is a sum of rounded lengths: in so many steps it is short by less than a thousandth.
-  constexpr double covered = 0.499;
   constexpr std::int64_t oldest = 8192;
   walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
   if (!listed_ || longest_path_ + wall_path_ > covered * margin_ || list_age_ >= oldest ||
@@ -238,8 +243,8 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   ContactPass<T> whole;
   whole.from = {places_[0].data(), motions_[0].data()};
   whole.to = {places_[1].data(), motions_[1].data()};
-  whole.first_slot = lists_.first_slot().data();
-  whole.neighbor = lists_.neighbor().data();
+  whole.first_slot = lists_.inner().first_slot.data();
+  whole.neighbor = lists_.inner().neighbor.data();
   whole.first_wall_slot = wall_lists_.first_slot.data();
   whole.wall_part = wall_lists_.part.data();
   whole.wall_memory = wall_lists_.memory();
@@ -351,63 +356,77 @@ void Solver<T>::find_bad(std::int64_t step, bool remove) {
 
 template <class T>
 void Solver<T>::build_lists() {
-  const auto see = [this](std::size_t row) { return sight(row); };
-  double rounding = 0;
-  {
-    const Stopwatch watch(profile_.sort_seconds);
-    memory_.collect(lists_, wall_lists_, rank_);
-    lists_.look(rows_, see);
-    const NeighborLists::Extent extent = lists_.extent();
-    choose_margin(extent.mean_radius);
-    // In single precision two may touch that are a little apart.
-    if (sizeof(T) == 4) rounding = 0x1p-20 * extent.largest_radius + 0x1p-44 * extent.farthest;
-    lists_.sort(margin_ + rounding, tuning_.cell_scale);
-  }
   {
     const Stopwatch watch(profile_.list_seconds);
-    lists_.look_in_order(see);
-    // Where the next state goes, nobody looks before it is there.
-    lists_.build(margin_ + rounding, rank_.data(),
-                 std::as_writable_bytes(std::span(motions_[1].data(), rows_)));
-    find_wall_parts(lists_, rows_, walls_, margin_ + rounding, parallel_, wall_lists_);
-    wall_lists_.make_room(law());
-    memory_.recall(lists_, wall_lists_);
+    memory_.collect(lists_.inner(), wall_lists_, rank_);
   }
-  {
-    const Stopwatch watch(profile_.sort_seconds);
-    move_rows();
+  outer_path_ += longest_path_;
+  if (!listed_ || outer_path_ > covered * (outer_margin_ - margin_)) {
+    sort_rows();
+  } else {
+    const Stopwatch watch(profile_.list_seconds);
+    forget_paths();
   }
+  const Stopwatch watch(profile_.list_seconds);
+  lists_.prune(places_[0].data(), margin_);
+  find_wall_parts([this](std::size_t row) { return sight(row); }, rows_, walls_,
+                  margin_ + rounding_, parallel_, wall_lists_);
+  wall_lists_.make_room(law());
+  memory_.recall(lists_.inner(), wall_lists_, rank_);
   listed_ = true;
   longest_path_ = 0;
   wall_path_ = 0;
   list_age_ = 0;
   ++profile_.list_builds;
-  profile_.list_entries += lists_.entries();
-  profile_.list_slots += lists_.slots() * group_rows;
+  profile_.list_entries += lists_.inner().entries;
+  profile_.list_slots += lists_.inner().slots() * group_rows;
 }
 
-// Wide margins make long lists, narrow ones many: about twenty steps a list is near the optimum and
-// flat around it.
 template <class T>
-void Solver<T>::choose_margin(double mean_radius) {
-  if (tuning_.margin > 0) {
-    margin_ = tuning_.margin;
-    return;
+void Solver<T>::sort_rows() {
+  const auto see = [this](std::size_t row) { return sight(row); };
+  {
+    const Stopwatch watch(profile_.sort_seconds);
+    lists_.look(rows_, see);
+    const NeighborLists::Extent extent = lists_.extent();
+    choose_margins(extent.mean_radius);
+    // In single precision two may touch that are a little apart.
+    if (sizeof(T) == 4) rounding_ = 0x1p-20 * extent.largest_radius + 0x1p-44 * extent.farthest;
+    lists_.sort(outer_margin_ + rounding_, tuning_.cell_scale);
   }
-  if (margin_ == 0) margin_ = 0.2 * mean_radius;
-  if (listed_ && list_age_ < 10) margin_ *= 1.5;
-  if (listed_ && list_age_ > 60) margin_ *= 0.7;
-  margin_ = std::clamp(margin_, 0.02 * mean_radius, mean_radius);
+  {
+    const Stopwatch watch(profile_.list_seconds);
+    lists_.look_in_order(see);
+    // Where the next state goes, nobody looks before it is there.
+    lists_.build(outer_margin_ + rounding_, rank_.data(),
+                 std::as_writable_bytes(std::span(motions_[1].data(), rows_)));
+  }
+  const Stopwatch watch(profile_.sort_seconds);
+  move_rows();
+  outer_path_ = 0;
+  ++profile_.sorts;
 }
 
+// In mean radii. Wide margins make long lists, narrow ones many: what a step takes grows with the
+// margin m, and what making lists takes falls with m over the way s of a step, so that the least of
+// both together is at an m that goes with the root of s. The factors were found by trying; the
+// least is flat. Outer lists are worth their while where little is gone in a step, and are too long
+// beyond a radius.
 template <class T>
-template <class Number>
-void Solver<T>::permute(soa::Array<Number>& column, soa::Array<Number>& moved) const {
-  moved.resize(rows_);
-  for_rows([&](std::size_t first, std::size_t last) {
-    for (std::size_t row = first; row < last; ++row) moved[row] = column[lists_.source()[row]];
-  });
-  column.swap(moved);
+void Solver<T>::choose_margins(double mean_radius) {
+  constexpr double widest = 1;
+  constexpr double narrowest = 0.01;
+  const double way = listed_ && list_age_ > 0
+                         ? (longest_path_ + wall_path_) / static_cast<double>(list_age_)
+                         : 0.003 * mean_radius;
+  const double root = std::sqrt(way / mean_radius);
+  const double inner = std::max(3.6 * root, narrowest);
+  const bool both = 2.5 * inner <= widest;
+  margin_ = mean_radius * (both ? inner : std::min(6.7 * root, widest));
+  if (tuning_.margin > 0) margin_ = tuning_.margin;
+  outer_margin_ =
+      both ? std::clamp(4 * margin_, margin_, std::max(margin_, mean_radius * widest)) : margin_;
+  if (tuning_.outer_margins > 0) outer_margin_ = std::max(tuning_.outer_margins, 1.0) * margin_;
 }
 
 template <class T>
@@ -423,12 +442,23 @@ void Solver<T>::move_rows() {
   places_[0].swap(places_[1]);
   motions_[0].swap(motions_[1]);
   lists_.take_rank(rank_);
-  if (has_drag_area_) permute(drag_area_, moved_);
-  if (has_death_) permute(death_, moved_steps_);
+  const auto move = [this](auto& column, auto& room) {
+    permute(parallel_, rows_, lists_.source(), column, room);
+  };
+  if (has_drag_area_) move(drag_area_, moved_);
+  if (has_death_) move(death_, moved_steps_);
   if (law().energy_budget) {
-    permute(damping_loss_, moved_);
-    permute(friction_loss_, moved_);
+    move(damping_loss_, moved_);
+    move(friction_loss_, moved_);
   }
+  memory_.move_rows(lists_.source());
+}
+
+template <class T>
+void Solver<T>::forget_paths() {
+  for_rows([&](std::size_t first, std::size_t last) {
+    for (std::size_t row = first; row < last; ++row) motions_[0][row].path = 0;
+  });
 }
 
 template <class T>
@@ -436,7 +466,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const Stopwatch watch(profile_.transfer_seconds);
   // Whoever looks needs room of their own.
   lists_.release();
-  memory_.collect(lists_, wall_lists_, rank_);
+  memory_.collect(lists_.inner(), wall_lists_, rank_);
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);
   };

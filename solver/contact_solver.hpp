@@ -2,9 +2,10 @@
 // rest here, in an order of the broad phase's choice, with the lists of who is near whom
 // and what each contact remembers; store() writes them back by id.
 //
-// Lists are built with a margin and used until a particle may have gone half of it. The margin, the
-// size of the cells, how often rows are sorted and the threads are tuning: a list is a superset of
-// the contacts in ascending id, whatever they are.
+// Lists have a margin and are used until a particle may have gone half of it. They are taken from
+// lists of a wider margin for as long as those can be, and then from cells, which also sorts the
+// rows. The margins, the size of the cells, how often rows are sorted and the threads are tuning: a
+// list is a superset of the contacts in ascending id, whatever they are.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,10 @@ struct BadRow;
 struct ContactTuning {
   double margin = 0;               ///< of the lists, m; 0: chosen, and adapted to the motion
   double cell_scale = 1;           ///< cells larger by this than they need be
-  std::int64_t list_interval = 0;  ///< steps after which lists are built anew; 0: when they must be
+  std::int64_t list_interval = 0;  ///< steps after which lists are taken anew; 0: when they must be
+  /// Of the lists that those are taken from, in margins; 0: chosen. With 1 they are built from
+  /// cells every time.
+  double outer_margins = 0;
 };
 
 /// Where the time of the steps went and what was done, since construction.
@@ -35,6 +39,7 @@ struct ContactProfile {
   double step_seconds = 0;
   double transfer_seconds = 0;  ///< to and from the tables
   std::uint64_t steps = 0;
+  std::uint64_t sorts = 0;  ///< by cells, with the outer lists
   std::uint64_t list_builds = 0;
   std::uint64_t list_entries = 0;  ///< of all builds
   std::uint64_t list_slots = 0;    ///< the same with what fills up the groups

@@ -13,7 +13,7 @@ namespace {
 
 // Rows of a window are ordered by the length of their lists, so that a group fills up little.
 constexpr std::size_t window_rows = 128;
-constexpr std::size_t listed_rows = 32 * window_rows;  // of a task
+constexpr std::size_t listed_rows = 8 * window_rows;  // of a task
 constexpr std::size_t length_classes = 256;
 
 // The longer a list, the lower; from 32 entries on, lists of about the same length have one number.
@@ -24,7 +24,27 @@ std::size_t length_class(std::uint32_t entries) {
   return length_classes - 1 - (exact + (digits - 6) * 8 + (entries >> (digits - 4) & 7));
 }
 
+// How many of some slots have the bit of each row of a group.
+using RowCounts [[gnu::vector_size(group_rows * sizeof(std::uint32_t))]] = std::uint32_t;
+
+RowCounts count_rows(const std::uint16_t* near, const std::uint16_t* end) {
+  RowCounts bit;
+  for (std::size_t row = 0; row < group_rows; ++row) bit[row] = 1U << row;
+  RowCounts counts{};
+  for (; near < end; ++near) counts -= (std::uint32_t{*near} & bit) != 0;
+  return counts;
+}
+
 }  // namespace
+
+void SlotLists::allocate(std::size_t groups) {
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    slots += std::exchange(first_slot[group], slots);
+  }
+  first_slot[groups] = slots;
+  neighbor.resize(slots * group_rows);
+}
 
 NeighborLists::Extent NeighborLists::extent() const {
   struct Part {
@@ -121,10 +141,10 @@ void NeighborLists::list_rows(double margin) {
 // slots that each group needs.
 void NeighborLists::place_rows(const std::uint32_t* rank) {
   const std::size_t groups = rows_ / group_rows;
+  outer_.first_slot.resize(groups + 1);
   source_.resize(rows_);
   rank_.resize(rows_);
   place_.resize(rows_);
-  first_slot_.resize(groups + 1);
   const std::size_t tasks = tasks_of(rows_, listed_rows);
   std::vector<std::uint64_t> entries(tasks);
   parallel_.for_each(tasks, [&](std::size_t task) {
@@ -148,21 +168,16 @@ void NeighborLists::place_rows(const std::uint32_t* rank) {
         entries[task] += count;
       }
       for (std::size_t n = 0; n < (last - first) / group_rows; ++n) {
-        first_slot_[first / group_rows + n] = longest[n];
+        outer_.first_slot[first / group_rows + n] = longest[n];
       }
     }
   });
-  std::uint64_t slots = 0;
-  for (std::size_t group = 0; group < groups; ++group) {
-    slots += std::exchange(first_slot_[group], slots);
-  }
-  first_slot_[groups] = slots;
-  entries_ = 0;
-  for (const std::uint64_t n : entries) entries_ += n;
+  outer_.allocate(groups);
+  outer_.entries = 0;
+  for (const std::uint64_t n : entries) outer_.entries += n;
 }
 
 void NeighborLists::lay_out() {
-  neighbor_.resize(slots() * group_rows);
   parallel_.for_each(tasks_of(rows_, listed_rows), [&](std::size_t task) {
     std::vector<NewPlace> list;
     const std::uint32_t* raw = raw_lists(task).data();
@@ -177,10 +192,10 @@ void NeighborLists::lay_out() {
       for (std::size_t row = first; row < last; ++row) {
         const std::size_t i = among_cells[row - first];
         const std::size_t group = row / group_rows;
-        const std::uint64_t first_slot = first_slot_[group];
+        const std::uint64_t first_slot = outer_.first_slot[group];
         lay_out_row(raw + raw_first_[i], raw_count_[i],
-                    neighbor_.data() + first_slot * group_rows + row % group_rows,
-                    first_slot_[group + 1] - first_slot, list);
+                    outer_.neighbor.data() + first_slot * group_rows + row % group_rows,
+                    outer_.first_slot[group + 1] - first_slot, list);
       }
     }
   });
@@ -225,6 +240,63 @@ void NeighborLists::lay_out_row(const std::uint32_t* raw, std::size_t count, std
     to[n * group_rows] = static_cast<std::int32_t>(rows_);
   }
 }
+
+template <class T>
+void NeighborLists::prune(const SpherePlace<T>* places, double margin) {
+  const std::size_t groups = rows_ / group_rows;
+  near_.resize(outer_.slots());
+  inner_.first_slot.resize(groups + 1);
+  std::vector<std::uint64_t> entries(tasks_of(groups, groups_per_task));
+  for_groups(parallel_, rows_, [&](std::size_t task, std::size_t first, std::size_t last) {
+    PrunePass<T> pass;
+    pass.first_group = first;
+    pass.last_group = last;
+    pass.place = places;
+    pass.first_slot = outer_.first_slot.data();
+    pass.neighbor = outer_.neighbor.data();
+    pass.margin = static_cast<T>(margin);
+    pass.near = near_.data();
+    if constexpr (sizeof(T) == 4) {
+      kernels_.prune_float32(pass);
+    } else {
+      kernels_.prune_float64(pass);
+    }
+    for (std::size_t group = first; group < last; ++group) {
+      const RowCounts counts = count_rows(near_.data() + outer_.first_slot[group],
+                                          near_.data() + outer_.first_slot[group + 1]);
+      std::uint32_t longest = 0;
+      for (std::size_t row = 0; row < group_rows; ++row) {
+        longest = std::max(longest, counts[row]);
+        entries[task] += counts[row];
+      }
+      inner_.first_slot[group] = longest;
+    }
+  });
+  inner_.allocate(groups);
+  inner_.entries = 0;
+  for (const std::uint64_t n : entries) inner_.entries += n;
+  for_groups(parallel_, rows_, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t group = first; group < last; ++group) prune_group(group);
+  });
+}
+
+void NeighborLists::prune_group(std::size_t group) {
+  std::int32_t* to = inner_.neighbor.data() + inner_.first_slot[group] * group_rows;
+  std::int32_t* const end = inner_.neighbor.data() + inner_.first_slot[group + 1] * group_rows;
+  std::fill(to, end, static_cast<std::int32_t>(rows_));
+  std::array<std::int32_t*, group_rows> next;
+  for (std::size_t row = 0; row < group_rows; ++row) next[row] = to + row;
+  for (std::size_t slot = outer_.first_slot[group]; slot < outer_.first_slot[group + 1]; ++slot) {
+    for (std::uint32_t left = near_[slot]; left != 0; left &= left - 1) {
+      const auto row = static_cast<std::size_t>(std::countr_zero(left));
+      *next[row] = outer_.neighbor[slot * group_rows + row];
+      next[row] += group_rows;
+    }
+  }
+}
+
+template void NeighborLists::prune(const SpherePlace<float>*, double);
+template void NeighborLists::prune(const SpherePlace<double>*, double);
 
 void NeighborLists::release() {
   for (auto& column : search_) column.release();

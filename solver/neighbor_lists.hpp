@@ -1,10 +1,12 @@
-// Who may come to touch whom: for every row the rows within a margin, by ascending id. Building the
-// lists also puts the rows into an order in which neighbors in space are near in memory.
+// Who may come to touch whom: for every row the rows within a margin, by ascending id. There are
+// two lists of each row. The outer one, of a wide margin, is found by the cells, which also puts
+// the rows into an order in which neighbors in space are near in memory:
 //
 //   look() at the rows  ->  sort() by cells  ->  look() again in that order  ->  build()
 //
 // New rows are the old ones in the order of their cells, within windows by the length of their
-// lists; a list speaks of new rows.
+// lists; a list speaks of new rows. As long as nobody else can have come near, prune() takes from
+// the outer lists the inner ones, of a narrow margin, which the steps read.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +25,20 @@ namespace salvo::solver {
 struct Sight {
   double position[3];
   double radius;
+};
+
+/// Lists of rows in groups of 16, which lie side by side.
+struct SlotLists {
+  soa::Array<std::uint64_t> first_slot;  // of each group and, last, their number
+  /// Rows, slot after slot of 16; the number of rows where a list has ended.
+  soa::Array<std::int32_t> neighbor;
+  std::uint64_t entries = 0;
+
+  std::size_t slots() const {
+    return first_slot.size() == 0 ? 0 : first_slot[first_slot.size() - 1];
+  }
+  /// Takes the slots of each group, in place of its first.
+  void allocate(std::size_t groups);
 };
 
 class NeighborLists {
@@ -50,29 +66,18 @@ class NeighborLists {
   void look_in_order(const See& see) {
     take(see, [this](std::size_t i) { return grid_.order()[i]; });
   }
-  /// `rank` is the place by id of every old row. `room`, of as many bytes for each row as there
-  /// are, is written to.
+  /// The outer lists. `rank` is the place by id of every old row. `room`, of as many bytes for each
+  /// row as there are, is written to.
   void build(double margin, const std::uint32_t* rank, std::span<std::byte> room);
-
-  /// Of each group of new rows the first slot and, last, their number.
-  const soa::Array<std::uint64_t>& first_slot() const { return first_slot_; }
-  std::size_t slots() const {
-    return first_slot_.size() == 0 ? 0 : first_slot_[first_slot_.size() - 1];
-  }
-  /// New rows, slot after slot of 16; the number of rows where a list has ended.
-  const soa::Array<std::int32_t>& neighbor() const { return neighbor_; }
   /// Old row of each new row.
   const soa::Array<std::uint32_t>& source() const { return source_; }
-  /// Place by id of each new row, until it is taken in exchange for the old.
-  const soa::Array<std::uint32_t>& rank() const { return rank_; }
+  /// Puts the place by id of each new row in place of the old.
   void take_rank(soa::Array<std::uint32_t>& rank) { rank_.swap(rank); }
-  std::uint64_t entries() const { return entries_; }
 
-  /// What was seen, in the order of the cells, and which new row it is.
-  SearchColumns sights() const {
-    return {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
-  }
-  std::size_t new_row(std::size_t i) const { return place_[i].row; }
+  /// The inner lists, of rows that are where `places` says.
+  template <class T>
+  void prune(const SpherePlace<T>* places, double margin);
+  const SlotLists& inner() const { return inner_; }
 
   /// Gives back what only building needs.
   void release();
@@ -100,19 +105,23 @@ class NeighborLists {
       }
     });
   }
+  SearchColumns sights() const {
+    return {search_[0].data(), search_[1].data(), search_[2].data(), search_[3].data()};
+  }
   RawLists raw_lists(std::size_t task);
   void list_rows(double margin);
   void place_rows(const std::uint32_t* rank);
   void lay_out();
   void lay_out_row(const std::uint32_t* raw, std::size_t count, std::int32_t* to, std::size_t slots,
                    std::vector<NewPlace>& list) const;
+  void prune_group(std::size_t group);
 
   const ContactKernels& kernels_;
   const Parallel& parallel_;
   std::size_t rows_ = 0;
-  std::uint64_t entries_ = 0;
-  soa::Array<std::uint64_t> first_slot_;
-  soa::Array<std::int32_t> neighbor_;
+  SlotLists outer_;
+  SlotLists inner_;
+  soa::Array<std::uint16_t> near_;  // of each outer slot, who is within the narrow margin, as bits
   soa::Array<std::uint32_t> source_;
   soa::Array<std::uint32_t> rank_;
 

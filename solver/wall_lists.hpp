@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "models/contact_law.hpp"
 #include "soa/array.hpp"
@@ -21,9 +23,37 @@ struct WallParts {
   soa::Array<std::uint32_t> part;
 };
 
-/// Which parts come within `margin` of new rows.
-void find_wall_parts(const NeighborLists& lists, std::size_t rows, const Walls& walls,
-                     double margin, const Parallel& parallel, WallParts& found);
+/// Which parts come within `margin` of rows that are where see(row) says.
+template <class See>
+void find_wall_parts(const See& see, std::size_t rows, const Walls& walls, double margin,
+                     const Parallel& parallel, WallParts& found) {
+  const std::size_t groups = rows / group_rows;
+  found.first_slot.resize(groups + 1);
+  std::vector<std::vector<std::uint32_t>> parts(tasks_of(groups, groups_per_task));
+  for_groups(parallel, rows, [&](std::size_t task, std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t>& own = parts[task];
+    for (std::size_t group = first; group < last; ++group) {
+      Bounds bounds;
+      for (std::size_t row = group * group_rows; row < (group + 1) * group_rows; ++row) {
+        const Sight sight = see(row);
+        if (sight.radius > 0) {
+          bounds.add({sight.position[0], sight.position[1], sight.position[2]}, sight.radius);
+        }
+      }
+      const std::size_t before = own.size();
+      if (!bounds.empty()) walls.near(bounds, margin, own);
+      found.first_slot[group] = own.size() - before;
+    }
+  });
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    slots += std::exchange(found.first_slot[group], slots);
+  }
+  found.first_slot[groups] = slots;
+  found.part.resize(slots);
+  std::uint32_t* to = found.part.data();
+  for (const auto& own : parts) to = std::copy(own.begin(), own.end(), to);
+}
 
 template <class T>
 struct WallLists : WallParts {
