@@ -35,12 +35,12 @@ std::string profile_text(const RunProfile& profile) {
     add("  forces and motion", contacts->step_seconds,
         fmt::format("{:.3g} ns a particle and step", 1e9 * ratio(contacts->step_seconds, steps)));
     add("  neighbor lists", contacts->list_seconds,
-        fmt::format("{} builds, one every {:.3g} steps", grouped(contacts->list_builds),
-                    ratio(contacts->steps, contacts->list_builds)));
-    add("  sorting", contacts->sort_seconds,
-        fmt::format("{:.3g} neighbors listed a particle, in {:.3g} slots",
+        fmt::format("anew every {:.3g} steps, {:.3g} neighbors a particle in {:.3g} slots",
+                    ratio(contacts->steps, contacts->list_builds),
                     ratio(static_cast<double>(contacts->list_entries), listed),
                     ratio(static_cast<double>(contacts->list_slots), listed)));
+    add("  sorting by cells", contacts->sort_seconds,
+        fmt::format("every {:.3g} steps", ratio(contacts->steps, contacts->sorts)));
     add("  to and from tables", contacts->transfer_seconds);
   }
   add("recording", profile.recording);
@@ -66,6 +66,8 @@ Json profile_document(const RunProfile& profile) {
         {"steps", contacts->steps},
         {"list_builds", contacts->list_builds},
         {"steps_per_build", ratio(contacts->steps, contacts->list_builds)},
+        {"sorts", contacts->sorts},
+        {"steps_per_sort", ratio(contacts->steps, contacts->sorts)},
         {"neighbors_per_particle", ratio(static_cast<double>(contacts->list_entries), listed)},
         {"slots_per_particle", ratio(static_cast<double>(contacts->list_slots), listed)}};
   }

@@ -55,6 +55,7 @@ class Completion {
     complete_domain();
     complete_emitters();
     complete_contact_law();
+    check_count();
     if (timed_) complete_frames();
     // A value that could not be read may be what the others are for.
     if (read_whole_) refuse_what_does_nothing();
@@ -172,6 +173,21 @@ class Completion {
     }
     keys_.steps = static_cast<std::int64_t>(std::max(steps, 1.0));
     keys_.setup.dt = *time.duration / static_cast<double>(keys_.steps);
+  }
+
+  void check_count() {
+    std::uint64_t room = solver::World::most_particles(keys_.setup);
+    for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+      const std::uint64_t count = keys_.emitters[i].count;
+      if (count > room) {
+        fail(fmt::format("emitter.{}", i),
+             fmt::format("{} particles are {} too many", count, count - room),
+             fmt::format("expected at most {} in all{}", solver::World::most_particles(keys_.setup),
+                         keys_.setup.contact_law ? ", as they touch each other" : ""));
+        return;
+      }
+      room -= count;
+    }
   }
 
   // What particles that touch need.

@@ -9,6 +9,7 @@
 // Nothing here can change a bit of a result: lists are supersets, and are put in order of the ids.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,13 @@ struct SearchColumns {
   const double* z = nullptr;
   const double* radius = nullptr;
 };
+
+/// The coordinate that cells are told: the same but for what is so far away that differences may
+/// overflow, which seems to be nearer. Those that are near each other stay so.
+inline double seen_by_cells(double coordinate) {
+  constexpr double farthest = 1e300;
+  return std::clamp(coordinate, -farthest, farthest);
+}
 
 /// Cells across a bar.
 inline constexpr std::uint64_t bar = 8;

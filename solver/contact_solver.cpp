@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -90,13 +91,14 @@ class Solver final : public ContactSolver {
     const Place& place = places_[0][row];
     Sight sight;
     for (std::size_t c = 0; c < 3; ++c) {
-      sight.position[c] = static_cast<double>(place.position[c]) +
-                          static_cast<double>(motions_[0][row].residual[c]);
+      sight.position[c] = seen_by_cells(static_cast<double>(place.position[c]) +
+                                        static_cast<double>(motions_[0][row].residual[c]));
     }
     sight.radius = place.radius > 0 ? static_cast<double>(place.radius) : -1.0;
     return sight;
   }
 
+  void make_room(std::size_t n);
   void build_lists();
   void sort_rows();
   void choose_margins(double mean_radius);
@@ -177,12 +179,7 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
   equal_ = mass == nullptr && radius == nullptr;
   uniform_mass_ = uniform(ParticleField::mass);
   uniform_radius_ = uniform(ParticleField::radius);
-  for (std::size_t n : {0, 1}) {
-    places_[n].resize(rows_ + 1);
-    motions_[n].resize(rows_ + 1);
-    places_[n][rows_] = nowhere();
-    motions_[n][rows_] = at_rest();
-  }
+  make_room(0);
   rank_.resize(rows_);
   if (has_drag_area_) drag_area_.resize(rows_);
   if (has_death_) death_.resize(rows_);
@@ -221,6 +218,14 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
 }
 
 template <class T>
+void Solver<T>::make_room(std::size_t n) {
+  places_[n].resize(rows_ + 1);
+  motions_[n].resize(rows_ + 1);
+  places_[n][rows_] = nowhere();
+  motions_[n][rows_] = at_rest();
+}
+
+template <class T>
 std::int64_t Solver<T>::next_death(std::int64_t after) const {
   std::int64_t next = soa::never;
   if (!has_death_) return next;
@@ -233,6 +238,7 @@ std::int64_t Solver<T>::next_death(std::int64_t after) const {
 template <class T>
 std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths, bool remove) {
   constexpr std::int64_t oldest = 8192;
+  if (places_[1].size() != rows_ + 1) make_room(1);
   walls_.place(setup_.t0 + static_cast<double>(step) * setup_.dt);
   if (!listed_ || longest_path_ + wall_path_ > covered * margin_ || list_age_ >= oldest ||
       (tuning_.list_interval > 0 && list_age_ >= tuning_.list_interval)) {
@@ -465,7 +471,10 @@ template <class T>
 void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const Stopwatch watch(profile_.transfer_seconds);
   // Whoever looks needs room of their own.
-  lists_.release();
+  places_[1].release();
+  motions_[1].release();
+  lists_.release_outer();
+  outer_path_ = std::numeric_limits<double>::infinity();
   memory_.collect(lists_.inner(), wall_lists_, rank_);
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);
@@ -521,7 +530,7 @@ bool remembers_contacts(const Setup& setup) {
 namespace {
 
 // Measured in piles at rest and in free fall.
-constexpr std::uint64_t typical_slots = 9;
+constexpr std::uint64_t typical_slots = 9 + 15;  // inner and outer
 constexpr std::uint64_t typical_contacts = 6;
 
 // What one contact remembers, seen from one side.
@@ -537,17 +546,20 @@ std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) 
   std::uint64_t row = setup.precision == soa::Precision::float32
                           ? 2 * (sizeof(SpherePlace<float>) + sizeof(SphereMotion<float>))
                           : 2 * (sizeof(SpherePlace<double>) + sizeof(SphereMotion<double>));
-  row += 7 * sizeof(std::uint32_t);  // places, ranks and counts
-  row += 4 * sizeof(double);         // where the broad phase looks
-  row += 2 * (sizeof(std::uint64_t) + sizeof(std::uint32_t)) + 2 * sizeof(std::uint32_t);  // cells
+  row += 3 * sizeof(std::uint32_t);  // ranks and sources
+  // First where the broad phase looks, and cells; then, when those are gone, lists.
+  constexpr std::uint64_t searched =
+      4 * sizeof(double) + 2 * (sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
+  row += std::max(searched, typical_slots * sizeof(std::int32_t));
   for (const ParticleField field : {ParticleField::drag_area, ParticleField::death,
                                     ParticleField::damping_loss, ParticleField::friction_loss}) {
     if (stored[index(field)]) row += size_of(soa::field(field).scalar, setup.precision);
   }
   const std::uint64_t memory = memory_bytes(setup);
-  row += typical_slots * sizeof(std::int32_t);
   // In the lists, and while they are built also apart from them.
-  if (memory > 0) row += typical_contacts * (2 * memory + sizeof(std::uint32_t)) + 4;
+  if (memory > 0) {
+    row += typical_contacts * (2 * memory + sizeof(std::uint32_t)) + 4 * sizeof(std::uint32_t);
+  }
   row += row / 16;  // what the arrays keep to spare
   return particles * row;
 }

@@ -68,6 +68,9 @@ class ContactSolver {
   ContactProfile profile_;
 };
 
+/// Particles that rows, and the contacts of all together, can be numbered for.
+inline constexpr std::uint64_t most_touching = std::uint64_t{1} << 28;
+
 /// Setup, execution and parallel outlive it.
 std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
                                                    const ContactTuning& tuning,

@@ -222,7 +222,7 @@ class Search {
         const auto center = places_.center(row);
         bool inside = true;
         for (std::size_t c = 0; c < 3; ++c) {
-          columns_[c][i] = center[c];
+          columns_[c][i] = seen_by_cells(center[c]);
           inside = inside && center[c] >= lowest_[c] && center[c] <= highest_[c];
         }
         columns_[3][i] = inside ? places_.radius(row) : -1;

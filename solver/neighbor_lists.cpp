@@ -85,10 +85,17 @@ void NeighborLists::sort(double margin, double cell_scale) {
 }
 
 void NeighborLists::build(double margin, const std::uint32_t* rank, std::span<std::byte> room) {
+  // What a stage leaves behind is given back before the next one allocates.
   room_ = room;
   list_rows(margin);
+  for (auto& column : search_) column.release();
   place_rows(rank);
+  grid_.release();
   lay_out();
+  long_lists_ = {};
+  place_.release();
+  raw_count_.release();
+  raw_first_.release();
 }
 
 NeighborLists::RawLists NeighborLists::raw_lists(std::size_t task) {
@@ -199,7 +206,6 @@ void NeighborLists::lay_out() {
       }
     }
   });
-  long_lists_ = {};
 }
 
 // Writes the list of one row by ascending rank. For each of a short list the smaller ones are
@@ -297,10 +303,5 @@ void NeighborLists::prune_group(std::size_t group) {
 
 template void NeighborLists::prune(const SpherePlace<float>*, double);
 template void NeighborLists::prune(const SpherePlace<double>*, double);
-
-void NeighborLists::release() {
-  for (auto& column : search_) column.release();
-  grid_.release();
-}
 
 }  // namespace salvo::solver

@@ -50,6 +50,8 @@ class NeighborLists {
   template <class See>
   void look(std::size_t rows, const See& see) {
     rows_ = rows;
+    outer_.neighbor.release();
+    inner_.neighbor.release();
     for (auto& column : search_) column.resize(rows + group_rows);
     take(see, [](std::size_t i) { return i; });
   }
@@ -79,8 +81,11 @@ class NeighborLists {
   void prune(const SpherePlace<T>* places, double margin);
   const SlotLists& inner() const { return inner_; }
 
-  /// Gives back what only building needs.
-  void release();
+  /// Gives the outer lists back: the next inner ones have to be built from cells.
+  void release_outer() {
+    outer_.neighbor.release();
+    near_.release();
+  }
 
  private:
   // Where a row comes to lie, and its place by id.

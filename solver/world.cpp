@@ -41,11 +41,10 @@ const Setup& checked(const Setup& setup) {
     }
     streams.push_back(emitter.stream);
   }
-  constexpr std::uint64_t most_rows = std::numeric_limits<std::uint32_t>::max();
   const std::uint64_t rows = World::total_emitted(setup);
-  if (rows > most_rows) {
-    throw std::invalid_argument(
-        fmt::format("{} particles are more than the {} of one world", rows, most_rows));
+  if (rows > World::most_particles(setup)) {
+    throw std::invalid_argument(fmt::format("{} particles are more than the {} of one world", rows,
+                                            World::most_particles(setup)));
   }
   return setup;
 }
@@ -149,6 +148,10 @@ soa::Table World::empty_table(const Setup& setup) {
                     static_cast<double>(step_at(first.time, setup.t0, setup.dt)));
   table.set_uniform(index(ParticleField::group), first.group);
   return table;
+}
+
+std::uint64_t World::most_particles(const Setup& setup) {
+  return setup.contact_law ? most_touching : std::numeric_limits<std::uint32_t>::max();
 }
 
 std::uint64_t World::total_emitted(const Setup& setup) {

@@ -145,6 +145,8 @@ class World {
   static soa::Table empty_table(const Setup& setup);
   /// Particles that the emitters will have emitted at the end of time.
   static std::uint64_t total_emitted(const Setup& setup);
+  /// That a world can hold.
+  static std::uint64_t most_particles(const Setup& setup);
   /// Bytes of state that a run of the set-up holds at most.
   static std::uint64_t state_bytes(const Setup& setup);
 

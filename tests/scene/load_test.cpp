@@ -423,6 +423,24 @@ TEST(SceneMistakes, MissingKeysAndSections) {
             "    | ^^^^^^^^^^^^ give it, or \"hills\"");
 }
 
+TEST(SceneMistakes, MoreParticlesThanAWorldHolds) {
+  const auto scene = [](const std::string& more) {
+    return mistakes_of(
+        "[[emitter]]\nkind = \"burst\"\ncount = 200_000_000\nradius = 1\nmass = 1\n"
+        "[[emitter]]\nkind = \"burst\"\ncount = 4_200_000_000\nradius = 1\nmass = 1\n"
+        "[time]\ndt = 1e-3\nduration = 1\n" +
+        more);
+  };
+  EXPECT_EQ(scene(""),
+            "scene.toml:6:1: error: 4200000000 particles are 105032705 too many\n"
+            "  6 | [[emitter]]\n"
+            "    | ^^^^^^^^^^^ expected at most 4294967295 in all");
+  EXPECT_EQ(scene("[contact_law]\nkind = \"impulse\"\n"),
+            "scene.toml:6:1: error: 4200000000 particles are 4131564544 too many\n"
+            "  6 | [[emitter]]\n"
+            "    | ^^^^^^^^^^^ expected at most 268435456 in all, as they touch each other");
+}
+
 TEST(SceneMistakes, KeysOfAnotherKind) {
   EXPECT_EQ(mistakes_with("rate = 5\n"),
             "scene.toml:7:1: error: \"rate\" does not belong in [[emitter]] with kind = \"burst\"\n"

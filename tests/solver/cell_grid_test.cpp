@@ -167,13 +167,20 @@ std::vector<Cloud> clouds() {
   for (std::size_t row = 0; row < lost.rows(); row += 50) lost.x[row] = draws.within(-1e16, 1e16);
   all.push_back(lost);
 
+  Cloud edge = random_cloud("with some where coordinates end", 500, 3, 0.05, 0.001, 0.01);
+  for (std::size_t row = 0; row < edge.rows(); row += 20) {
+    edge.y[row] = solver::seen_by_cells(row % 40 == 0 ? 1.7e308 : -1.7e308);
+  }
+  all.push_back(edge);
+
   Cloud large = random_cloud("of many small about a few large", 5000, 0, 0.3, 0.005, 0.005);
   for (std::size_t row = 0; row < large.rows(); row += 1000) large.radius[row] = 0.5;
   all.push_back(large);
 
   // More candidates than are fetched at a time, for one row even.
   Cloud stacked{"thousands in one place", {}, {}, {}, {}};
-  for (int i = 0; i < 4500; ++i) stacked.add(1, 2, 3, 0.01);
+  for (int i = 0; i < 4200; ++i) stacked.add(1, 2, 3, 0.01);
+  for (int i = 0; i < 100; ++i) stacked.add(1, 2, 3.001, 0.001);  // of another class of cells
   all.push_back(stacked);
 
   Cloud coincident{"coincident", {}, {}, {}, {}};

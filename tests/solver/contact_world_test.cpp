@@ -124,8 +124,8 @@ Execution execution(Isa isa, int threads, ContactTuning tuning = {}) {
   return way;
 }
 
-// Lists anew in every step, cells twice as large as need be, one lane at a time.
-const Execution reference = execution(Isa::scalar, 1, {1e-3, 2, 1});
+// Lists from cells in every step, cells twice as large as need be, one lane at a time.
+const Execution reference = execution(Isa::scalar, 1, {1e-3, 2, 1, 1});
 
 struct NamedExecution {
   std::string name;
@@ -151,6 +151,12 @@ std::vector<NamedExecution> executions() {
   for (const std::int64_t interval : {1, 3, 7}) {
     all.push_back(
         {"lists every " + std::to_string(interval), execution(widest, 2, {8e-3, 1, interval})});
+  }
+  for (const double margin : {1e-5, 1e-4, 1e-3}) {
+    for (const double outer : {1.0, 2.1, 4.0, 20.0}) {
+      all.push_back({"margin " + std::to_string(margin) + " from " + std::to_string(outer),
+                     execution(widest, 2, {margin, 1, 0, outer})});
+    }
   }
   return all;
 }
@@ -308,6 +314,50 @@ TEST(ContactWorld, AWallThatComesIsMetByParticlesAtRest) {
     EXPECT_EQ(world.hash().total, anew.hash().total);
     EXPECT_GT(velocity(world, 0)[1], 1);
   }
+}
+
+// Lists are taken from lists for some time, and those are found anew before somebody else comes.
+TEST(ContactWorld, OuterListsLastUntilOthersComeNear) {
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
+    solver::Setup setup = touching_setup(linear(2e3, 0.9, 0.3), precision);
+    setup.seed = 5;
+    setup.emitters.push_back(lattice({0, 0, 0}, {0.15, 0.15, 0.15}, 0.022, 0.01, 0.01));
+    setup.emitters[0].speed = {Spread::Kind::uniform, 0, 2};
+    setup.emitters[0].radius = {Spread::Kind::uniform, 0.004, 0.01};
+    setup.dt = 4e-5;
+    World anew(setup, reference);
+    anew.advance_to(800);
+    const std::uint64_t wanted = 800;
+    EXPECT_EQ(anew.contact_profile()->list_builds, wanted);
+    for (const double margin : {4e-4, 2e-3}) {
+      World world(setup, execution(solver::widest_isa(), 2, {margin, 1, 0, 6}));
+      world.advance_to(800);
+      EXPECT_EQ(world.hash().total, anew.hash().total);
+      const solver::ContactProfile& profile = *world.contact_profile();
+      EXPECT_GT(profile.sorts, 3U);
+      EXPECT_GT(profile.list_builds, 2 * profile.sorts);
+      EXPECT_LT(profile.list_builds, wanted);
+    }
+  }
+}
+
+// What is where doubles end is far from all else, and nobody's business.
+TEST(ContactWorld, SpheresAtTheEndOfSpaceLeaveTheOthersAlone) {
+  const auto collided = [](bool with_far) {
+    solver::Setup setup = touching_setup(linear(1e3, 0.5, 0.2), Precision::float64);
+    add_sphere(setup, {0, 0, 0}, {1, 0, 0}, 0.01, 0.01);
+    add_sphere(setup, {0.03, 0.004, 0}, {-1, 0, 0}, 0.01, 0.01);
+    if (with_far) {
+      add_sphere(setup, {1.6e308, 0, 0}, {0, 0, 0}, 0.01, 0.01);
+      add_sphere(setup, {0, -1.6e308, 0}, {0, 0, 0}, 0.01, 0.01);
+    }
+    setup.dt = 1e-5;
+    World world(setup, {});
+    world.advance_to(3000);
+    return std::array{velocity(world, 0)[0], velocity(world, 1)[1]};
+  };
+  EXPECT_EQ(collided(true), collided(false));
+  EXPECT_LT(collided(true)[0], 0.5);
 }
 
 // Far from the origin a slow sphere goes by steps of what its residual resolves, nearly twice as
