@@ -425,7 +425,7 @@ void Solver<T>::choose_margins(double mean_radius) {
   const double way = listed_ && list_age_ > 0
                          ? (longest_path_ + wall_path_) / static_cast<double>(list_age_)
                          : 0.003 * mean_radius;
-  const double root = std::sqrt(way / mean_radius);
+  const double root = sqrt(kernels::ScalarLane<double>(way / mean_radius)).value();
   const double inner = std::max(3.6 * root, narrowest);
   const bool both = 2.5 * inner <= widest;
   margin_ = mean_radius * (both ? inner : std::min(6.7 * root, widest));
