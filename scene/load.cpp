@@ -178,7 +178,10 @@ class Completion {
   void check_count() {
     std::uint64_t room = solver::World::most_particles(keys_.setup);
     for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
-      const std::uint64_t count = keys_.emitters[i].count;
+      const solver::Emitter& emitter = keys_.emitters[i];
+      const std::uint64_t count =
+          timed_ ? solver::EmissionSchedule(emitter, keys_.setup.t0, keys_.setup.dt).total()
+                 : emitter.count;
       if (count > room) {
         fail(fmt::format("emitter.{}", i),
              fmt::format("{} particles are {} too many", count, count - room),

@@ -204,8 +204,8 @@ class Verifier {
     if (scene_.setup.contact_law) {
       // Particles that touch: no row is the same without the others, but however their lists are
       // built they are.
-      add(VerifyAxis::lists, "wide margin, lists anew every 3 steps, large cells")
-          .execution.contact = {wide_margin(scene_.setup), 1.7, 3};
+      add(VerifyAxis::lists, "wide margins, lists anew every 3 steps, large cells")
+          .execution.contact = {wide_margin(scene_.setup), 1.7, 3, 2};
       return;
     }
     add(VerifyAxis::rows, "every third");

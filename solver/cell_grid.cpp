@@ -273,8 +273,8 @@ void CellGrid::sort(std::size_t rows, int bits, const Parallel& parallel) {
     keys_.swap(other_keys_);
     order_.swap(other_order_);
   }
-  other_keys_ = {};
-  other_order_ = {};
+  other_keys_.release();
+  other_order_.release();
 }
 
 void CellGrid::release() {

@@ -13,8 +13,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "soa/array.hpp"
 #include "solver/parallel.hpp"
 
 namespace salvo::solver {
@@ -78,7 +80,7 @@ class CellGrid {
              const Parallel& parallel);
 
   /// Rows by cell, those left out last.
-  const std::vector<std::uint32_t>& order() const { return order_; }
+  std::span<const std::uint32_t> order() const { return {order_.data(), order_.size()}; }
   /// Rows that were not left out.
   std::size_t members() const { return members_; }
   CellIndex index() const;
@@ -95,10 +97,10 @@ class CellGrid {
   std::vector<CellClass> classes_;
   std::array<double, most_classes> growth_;  // of the cells of each class, for the next build
   std::uint64_t cells_ = 0;
-  std::vector<std::uint64_t> keys_, other_keys_;
-  std::vector<std::uint32_t> order_, other_order_;
-  std::vector<std::uint32_t> counts_;
-  std::vector<std::uint32_t> directory_;
+  soa::Array<std::uint64_t> keys_, other_keys_;
+  soa::Array<std::uint32_t> order_, other_order_;
+  soa::Array<std::uint32_t> counts_;
+  soa::Array<std::uint32_t> directory_;
   int shift_ = 0;
   std::size_t members_ = 0;
 };

@@ -675,14 +675,16 @@ class Step {
     if constexpr (Law::impulsive) way += sum.shift;
     if constexpr (sizeof(T) == 4) {
       const Vec3<V> gain = own.residual + way;
-      way = gain - own.residual;  // far from the origin not quite what it was to be
+      way = gain - own.residual;
       next.position = own.position + gain;
       next.residual = {kernels::sum_error(own.position.x, gain.x, next.position.x),
                        kernels::sum_error(own.position.y, gain.y, next.position.y),
                        kernels::sum_error(own.position.z, gain.z, next.position.z)};
     } else {
       next.position = own.position + way;
+      way = next.position - own.position;
     }
+    // Far from the origin the way that is gone is not quite the one that was to be.
     next.path = own.path + norm(way);
     if (Friction) {
       const V inertia = V(0.4) * mass * own.radius * own.radius;

@@ -1,8 +1,11 @@
 #include "solver/contact_memory.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -32,11 +35,14 @@ void for_contacts(const soa::Array<std::uint64_t>& first_slot,
 
 template <class T>
 void ContactMemory<T>::share_out() {
-  std::uint32_t entries = 0;
+  std::size_t entries = 0;
   for (std::size_t row = 0; row < rows_; ++row) {
     Entries& own = entries_[row];
-    own.first = std::exchange(entries, entries + own.last);
-    own.last = own.first;
+    entries += own.last;
+    own.first = own.last = static_cast<std::uint32_t>(entries - own.last);
+  }
+  if (entries > std::numeric_limits<std::uint32_t>::max()) {
+    throw std::length_error(fmt::format("{} contacts are more than can be remembered", entries));
   }
   partner_.resize(entries);
   if (law_.remembers()) tangential_.resize(3 * entries);

@@ -147,8 +147,9 @@ struct ListPass {
   CellIndex index;
   SearchColumns columns;  // in the order of the cells, with room for a pack more at the end
   double margin = 0;      // m
-  /// Makes room for more entries; returns where they begin, which holds what was written.
-  std::uint32_t* (*grow)(void* owner, std::size_t entries) = nullptr;
+  /// Makes room for so many entries or more, and says for how many; returns where they begin, which
+  /// holds what was written.
+  std::uint32_t* (*grow)(void* owner, std::size_t& entries) = nullptr;
   void* owner = nullptr;
   std::uint32_t* counts = nullptr;  // of each row from first_row
   std::size_t entries = 0;          ///< written, together

@@ -1,9 +1,11 @@
-// How the rows of particles that touch are dealt out to tasks.
+// The rows of particles that touch, and their groups: how they are dealt out to tasks, numbered and
+// put in order.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "soa/array.hpp"
 #include "solver/contact_pass.hpp"
@@ -35,6 +37,16 @@ void for_groups(const Parallel& parallel, std::size_t rows, const Task& task) {
     const std::size_t first = number * groups_per_task;
     task(number, first, std::min(groups, first + groups_per_task));
   });
+}
+
+/// Replaces how many slots each group has by which is its first; returns how many there are.
+inline std::uint64_t number_slots(soa::Array<std::uint64_t>& first_slot, std::size_t groups) {
+  std::uint64_t slots = 0;
+  for (std::size_t group = 0; group < groups; ++group) {
+    slots += std::exchange(first_slot[group], slots);
+  }
+  first_slot[groups] = slots;
+  return slots;
 }
 
 /// Puts a column into the order of new rows. `room` is written to.

@@ -1,12 +1,10 @@
 #include "solver/contact_solver.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <span>
-#include <utility>
 
 #include "kernels/sphere_contact.hpp"
 #include "models/particle.hpp"
@@ -98,10 +96,15 @@ class Solver final : public ContactSolver {
     return sight;
   }
 
+  // Of the lists, m.
+  struct Margins {
+    double inner;
+    double outer;
+  };
   void make_room(std::size_t n);
   void build_lists();
   void sort_rows();
-  void choose_margins(double mean_radius);
+  Margins margins() const;
   void move_rows();
   void forget_paths();
   void find_bad(std::int64_t step, bool remove);
@@ -134,12 +137,13 @@ class Solver final : public ContactSolver {
   bool has_death_ = false;
 
   bool listed_ = false;
+  NeighborLists::Extent extent_;  // when the rows were sorted
   double margin_ = 0;
   double outer_margin_ = 0;
   double rounding_ = 0;        // that positions in single precision may be off, m
   double wall_path_ = 0;       // m, of the walls since the lists were built
   double longest_path_ = 0;    // m, of the particles
-  double outer_path_ = 0;      // m, that at most since the outer lists were built, up to the inner
+  double outer_path_ = 0;      // m, of the particles between the outer lists and the inner ones
   std::int64_t list_age_ = 0;  // steps
   NeighborLists lists_;
   WallLists<T> wall_lists_;
@@ -367,14 +371,17 @@ void Solver<T>::build_lists() {
     memory_.collect(lists_.inner(), wall_lists_, rank_);
   }
   outer_path_ += longest_path_;
-  if (!listed_ || outer_path_ > covered * (outer_margin_ - margin_)) {
+  const Margins wanted = margins();
+  if (!listed_ || outer_path_ >= covered * (outer_margin_ - wanted.inner)) {
+    listed_ = false;
     sort_rows();
   } else {
     const Stopwatch watch(profile_.list_seconds);
+    margin_ = wanted.inner;
     forget_paths();
   }
   const Stopwatch watch(profile_.list_seconds);
-  lists_.prune(places_[0].data(), margin_);
+  lists_.prune(places_[0].data(), margin_ + rounding_);
   find_wall_parts([this](std::size_t row) { return sight(row); }, rows_, walls_,
                   margin_ + rounding_, parallel_, wall_lists_);
   wall_lists_.make_room(law());
@@ -384,7 +391,7 @@ void Solver<T>::build_lists() {
   wall_path_ = 0;
   list_age_ = 0;
   ++profile_.list_builds;
-  profile_.list_entries += lists_.inner().entries;
+  profile_.list_entries += lists_.inner_entries();
   profile_.list_slots += lists_.inner().slots() * group_rows;
 }
 
@@ -394,10 +401,12 @@ void Solver<T>::sort_rows() {
   {
     const Stopwatch watch(profile_.sort_seconds);
     lists_.look(rows_, see);
-    const NeighborLists::Extent extent = lists_.extent();
-    choose_margins(extent.mean_radius);
+    extent_ = lists_.extent();
     // In single precision two may touch that are a little apart.
-    if (sizeof(T) == 4) rounding_ = 0x1p-20 * extent.largest_radius + 0x1p-44 * extent.farthest;
+    if (sizeof(T) == 4) rounding_ = 0x1p-20 * extent_.largest_radius + 0x1p-44 * extent_.farthest;
+    const Margins wanted = margins();
+    margin_ = wanted.inner;
+    outer_margin_ = wanted.outer;
     lists_.sort(outer_margin_ + rounding_, tuning_.cell_scale);
   }
   {
@@ -413,26 +422,32 @@ void Solver<T>::sort_rows() {
   ++profile_.sorts;
 }
 
-// In mean radii. Wide margins make long lists, narrow ones many: what a step takes grows with the
-// margin m, and what making lists takes falls with m over the way s of a step, so that the least of
-// both together is at an m that goes with the root of s. The factors were found by trying; the
-// least is flat. Outer lists are worth their while where little is gone in a step, and are too long
-// beyond a radius.
+// Wide margins make long lists, narrow ones many: what a step takes grows with the margin m, and
+// what making lists takes falls with m over the way s of a step, so that the least of both together
+// is at an m that goes with the root of s. The factors were found by trying; the least is flat. In
+// mean radii. Outer lists are worth their while where little is gone in a step, and are too long
+// beyond a radius; far from the origin, single precision does not see much less than they hold.
 template <class T>
-void Solver<T>::choose_margins(double mean_radius) {
+typename Solver<T>::Margins Solver<T>::margins() const {
   constexpr double widest = 1;
   constexpr double narrowest = 0.01;
-  const double way = listed_ && list_age_ > 0
-                         ? (longest_path_ + wall_path_) / static_cast<double>(list_age_)
-                         : 0.003 * mean_radius;
-  const double root = sqrt(kernels::ScalarLane<double>(way / mean_radius)).value();
-  const double inner = std::max(3.6 * root, narrowest);
-  const bool both = 2.5 * inner <= widest;
-  margin_ = mean_radius * (both ? inner : std::min(6.7 * root, widest));
-  if (tuning_.margin > 0) margin_ = tuning_.margin;
-  outer_margin_ =
-      both ? std::clamp(4 * margin_, margin_, std::max(margin_, mean_radius * widest)) : margin_;
-  if (tuning_.outer_margins > 0) outer_margin_ = std::max(tuning_.outer_margins, 1.0) * margin_;
+  constexpr double at_first = 0.003;
+  const double radius = extent_.mean_radius;
+  const auto root_of = [&](double path) {
+    const double way = list_age_ > 0 ? path / static_cast<double>(list_age_) / radius : at_first;
+    return sqrt(kernels::ScalarLane<double>(way)).value();
+  };
+  const double root = root_of(longest_path_ + wall_path_);
+  const double blur = sizeof(T) == 4 ? 0x1p-21 * 3 * extent_.farthest / radius : 0;
+  const double most = widest / 2.5;
+  const bool pruned = 3.6 * root_of(longest_path_) < most && blur < 0.1;
+  Margins m;
+  m.inner = radius * (pruned ? std::clamp(3.6 * root, narrowest, most)
+                             : std::clamp(6.7 * root, narrowest, widest));
+  if (tuning_.margin > 0) m.inner = tuning_.margin;
+  m.outer = pruned ? std::max(m.inner, std::min(4 * m.inner, widest * radius)) : m.inner;
+  if (tuning_.outer_margins > 0) m.outer = std::max(tuning_.outer_margins, 1.0) * m.inner;
+  return m;
 }
 
 template <class T>
@@ -530,7 +545,7 @@ bool remembers_contacts(const Setup& setup) {
 namespace {
 
 // Measured in piles at rest and in free fall.
-constexpr std::uint64_t typical_slots = 9 + 15;  // inner and outer
+constexpr std::uint64_t typical_slots = 2 * 15;  // outer lists, as they are found and laid out
 constexpr std::uint64_t typical_contacts = 6;
 
 // What one contact remembers, seen from one side.

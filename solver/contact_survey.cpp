@@ -240,9 +240,10 @@ class Search {
     pass.index = grid_.index();
     pass.columns = search_columns();
     pass.owner = &near;
-    pass.grow = [](void* owner, std::size_t entries) {
+    pass.grow = [](void* owner, std::size_t& entries) {
       auto& list = *static_cast<std::vector<std::uint32_t>*>(owner);
-      if (list.size() < entries) list.resize(entries);
+      if (list.size() < entries) list.resize(entries + entries / 2);
+      entries = list.size();
       return list.data();
     };
     pass.counts = counts;

@@ -252,7 +252,7 @@ class ListBuilder {
       const std::size_t before = size_;
       const std::size_t needed = size_ + candidates_ + at_once;
       if (needed > room_) {
-        room_ = needed + needed / 2 + 1024;
+        room_ = needed;
         entries_ = pass_.grow(pass_.owner, room_);
       }
       for (std::size_t s = 0; s < segments_; ++s) {

@@ -38,12 +38,7 @@ RowCounts count_rows(const std::uint16_t* near, const std::uint16_t* end) {
 }  // namespace
 
 void SlotLists::allocate(std::size_t groups) {
-  std::uint64_t slots = 0;
-  for (std::size_t group = 0; group < groups; ++group) {
-    slots += std::exchange(first_slot[group], slots);
-  }
-  first_slot[groups] = slots;
-  neighbor.resize(slots * group_rows);
+  neighbor.resize(number_slots(first_slot, groups) * group_rows);
 }
 
 NeighborLists::Extent NeighborLists::extent() const {
@@ -96,6 +91,7 @@ void NeighborLists::build(double margin, const std::uint32_t* rank, std::span<st
   place_.release();
   raw_count_.release();
   raw_first_.release();
+  room_ = {};
 }
 
 NeighborLists::RawLists NeighborLists::raw_lists(std::size_t task) {
@@ -123,12 +119,15 @@ void NeighborLists::list_rows(double margin) {
     pass.margin = margin;
     RawLists lists = raw_lists(task);
     pass.owner = &lists;
-    pass.grow = [](void* owner, std::size_t entries) {
+    pass.grow = [](void* owner, std::size_t& entries) {
       const RawLists& own = *static_cast<RawLists*>(owner);
-      if (entries > own.room.size() && entries > own.more->size()) {
+      if (entries <= own.room.size()) {
+        entries = own.room.size();
+      } else {
         const bool moves = own.more->empty();
-        own.more->resize(entries);
+        own.more->resize(entries + entries / 4);
         if (moves) std::copy(own.room.begin(), own.room.end(), own.more->begin());
+        entries = own.more->size();
       }
       return own.data();
     };
@@ -152,9 +151,7 @@ void NeighborLists::place_rows(const std::uint32_t* rank) {
   source_.resize(rows_);
   rank_.resize(rows_);
   place_.resize(rows_);
-  const std::size_t tasks = tasks_of(rows_, listed_rows);
-  std::vector<std::uint64_t> entries(tasks);
-  parallel_.for_each(tasks, [&](std::size_t task) {
+  parallel_.for_each(tasks_of(rows_, listed_rows), [&](std::size_t task) {
     const std::size_t end = std::min(rows_, (task + 1) * listed_rows);
     for (std::size_t first = task * listed_rows; first < end; first += window_rows) {
       const std::size_t last = std::min(end, first + window_rows);
@@ -172,7 +169,6 @@ void NeighborLists::place_rows(const std::uint32_t* rank) {
         place_[i] = {place, rank[source]};
         std::uint32_t& most = longest[(place - first) / group_rows];
         most = std::max(most, count);
-        entries[task] += count;
       }
       for (std::size_t n = 0; n < (last - first) / group_rows; ++n) {
         outer_.first_slot[first / group_rows + n] = longest[n];
@@ -180,8 +176,6 @@ void NeighborLists::place_rows(const std::uint32_t* rank) {
     }
   });
   outer_.allocate(groups);
-  outer_.entries = 0;
-  for (const std::uint64_t n : entries) outer_.entries += n;
 }
 
 void NeighborLists::lay_out() {
@@ -267,20 +261,22 @@ void NeighborLists::prune(const SpherePlace<T>* places, double margin) {
     } else {
       kernels_.prune_float64(pass);
     }
+    std::uint64_t sum = 0;
     for (std::size_t group = first; group < last; ++group) {
       const RowCounts counts = count_rows(near_.data() + outer_.first_slot[group],
                                           near_.data() + outer_.first_slot[group + 1]);
       std::uint32_t longest = 0;
       for (std::size_t row = 0; row < group_rows; ++row) {
         longest = std::max(longest, counts[row]);
-        entries[task] += counts[row];
+        sum += counts[row];
       }
       inner_.first_slot[group] = longest;
     }
+    entries[task] = sum;
   });
   inner_.allocate(groups);
-  inner_.entries = 0;
-  for (const std::uint64_t n : entries) inner_.entries += n;
+  entries_ = 0;
+  for (const std::uint64_t n : entries) entries_ += n;
   for_groups(parallel_, rows_, [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t group = first; group < last; ++group) prune_group(group);
   });

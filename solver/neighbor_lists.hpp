@@ -32,7 +32,6 @@ struct SlotLists {
   soa::Array<std::uint64_t> first_slot;  // of each group and, last, their number
   /// Rows, slot after slot of 16; the number of rows where a list has ended.
   soa::Array<std::int32_t> neighbor;
-  std::uint64_t entries = 0;
 
   std::size_t slots() const {
     return first_slot.size() == 0 ? 0 : first_slot[first_slot.size() - 1];
@@ -50,8 +49,8 @@ class NeighborLists {
   template <class See>
   void look(std::size_t rows, const See& see) {
     rows_ = rows;
-    outer_.neighbor.release();
-    inner_.neighbor.release();
+    outer_ = {};
+    inner_ = {};
     for (auto& column : search_) column.resize(rows + group_rows);
     take(see, [](std::size_t i) { return i; });
   }
@@ -80,10 +79,11 @@ class NeighborLists {
   template <class T>
   void prune(const SpherePlace<T>* places, double margin);
   const SlotLists& inner() const { return inner_; }
+  std::uint64_t inner_entries() const { return entries_; }
 
   /// Gives the outer lists back: the next inner ones have to be built from cells.
   void release_outer() {
-    outer_.neighbor.release();
+    outer_ = {};
     near_.release();
   }
 
@@ -126,6 +126,7 @@ class NeighborLists {
   std::size_t rows_ = 0;
   SlotLists outer_;
   SlotLists inner_;
+  std::uint64_t entries_ = 0;       // of the inner lists
   soa::Array<std::uint16_t> near_;  // of each outer slot, who is within the narrow margin, as bits
   soa::Array<std::uint32_t> source_;
   soa::Array<std::uint32_t> rank_;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "models/contact_law.hpp"
@@ -45,12 +44,7 @@ void find_wall_parts(const See& see, std::size_t rows, const Walls& walls, doubl
       found.first_slot[group] = own.size() - before;
     }
   });
-  std::uint64_t slots = 0;
-  for (std::size_t group = 0; group < groups; ++group) {
-    slots += std::exchange(found.first_slot[group], slots);
-  }
-  found.first_slot[groups] = slots;
-  found.part.resize(slots);
+  found.part.resize(number_slots(found.first_slot, groups));
   std::uint32_t* to = found.part.data();
   for (const auto& own : parts) to = std::copy(own.begin(), own.end(), to);
 }

@@ -88,7 +88,7 @@ Neighbors listed(const Cloud& cloud, double margin, double cell_scale, Isa isa, 
     pass.columns = sorted.columns();
     pass.margin = margin;
     pass.owner = &entries;
-    pass.grow = [](void* owner, std::size_t size) {
+    pass.grow = [](void* owner, std::size_t& size) {
       auto& all = *static_cast<std::vector<std::uint32_t>*>(owner);
       if (all.size() < size) all.resize(size);
       return all.data();
@@ -289,7 +289,7 @@ TEST(CellGrid, SortsTheSameForAnyThreads) {
   for (const int threads : {2, 3, 13}) {
     CellGrid grid;
     grid.build(cloud.columns(), cloud.rows(), 0.001, 1, Parallel(threads));
-    EXPECT_EQ(grid.order(), wanted.order());
+    EXPECT_TRUE(std::ranges::equal(grid.order(), wanted.order()));
   }
   const solver::CellIndex index = wanted.index();
   for (std::size_t row = 1; row < cloud.rows(); ++row) {
