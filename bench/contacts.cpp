@@ -1,5 +1,5 @@
 // Particles that touch: steps a second of equal spheres that collide in a closed box, the same as
-// LAMMPS gets (see contact_peer.cpp), and where the time goes. Every round makes the lists once.
+// LAMMPS gets (see contact_peer.cpp), and where the time goes. Lists are made as often as there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -150,8 +150,9 @@ void measure(benchmark::State& state, const Row& row) {
     return;
   }
   solver::World& world = collided(row).again(execution_of(row));
-  // Some rounds sort the rows by cells and some do not: as many as belong to a few sorts, beginning
-  // after one that finds room and pages in place.
+  const auto rows = static_cast<double>(world.particles().rows());
+  // Some lists are found by cells and some taken from wider ones: all from one sort of the rows to a
+  // later one are measured, so that each has its share. The first sort touches fresh memory.
   const solver::ContactProfile& after = *world.contact_profile();
   const auto sort = [&](std::uint64_t times) {
     for (const std::uint64_t last = after.sorts + times; after.sorts < last;) {
@@ -160,7 +161,6 @@ void measure(benchmark::State& state, const Row& row) {
   };
   sort(2);
   const solver::ContactProfile before = after;
-  const auto rows = static_cast<double>(world.particles().rows());
   double seconds = 0;
   for (auto _ : state) {
     const double start = now();

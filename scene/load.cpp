@@ -55,7 +55,7 @@ class Completion {
     complete_domain();
     complete_emitters();
     complete_contact_law();
-    check_count();
+    if (mistakes_.count() == 0) check_count();
     if (timed_) complete_frames();
     // A value that could not be read may be what the others are for.
     if (read_whole_) refuse_what_does_nothing();
