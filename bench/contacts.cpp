@@ -151,8 +151,8 @@ void measure(benchmark::State& state, const Row& row) {
   }
   solver::World& world = collided(row).again(execution_of(row));
   const auto rows = static_cast<double>(world.particles().rows());
-  // Some lists are found by cells and some taken from wider ones: all from one sort of the rows to a
-  // later one are measured, so that each has its share. The first sort touches fresh memory.
+  // Some lists are found by cells and some taken from wider ones: all from one sort of the rows to
+  // a later one are measured, so that each has its share. The first sort touches fresh memory.
   const solver::ContactProfile& after = *world.contact_profile();
   const auto sort = [&](std::uint64_t times) {
     for (const std::uint64_t last = after.sorts + times; after.sorts < last;) {

@@ -372,13 +372,14 @@ void Solver<T>::build_lists() {
   }
   outer_path_ += longest_path_;
   const Margins wanted = margins();
-  if (!listed_ || outer_path_ >= covered * (outer_margin_ - wanted.inner)) {
-    listed_ = false;
-    sort_rows();
-  } else {
+  const bool reached = listed_ && outer_path_ < covered * (outer_margin_ - wanted.inner);
+  listed_ = false;  // should there be no memory for the new ones
+  if (reached) {
     const Stopwatch watch(profile_.list_seconds);
     margin_ = wanted.inner;
     forget_paths();
+  } else {
+    sort_rows();
   }
   const Stopwatch watch(profile_.list_seconds);
   lists_.prune(places_[0].data(), margin_ + rounding_);
