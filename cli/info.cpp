@@ -139,12 +139,8 @@ std::string step_text(const scene::Scene& scene) {
   const models::ContactLaw& law = *scene.setup.contact_law;
   if (law.kind == models::ContactLawKind::impulse) return "given; an impulse takes no time";
   const solver::ContactTime time = solver::contact_time(scene.setup);
-  const std::string contact =
-      law.kind == models::ContactLawKind::hertz_mindlin
-          ? fmt::format("the {:.3g} s that a wave takes through the smallest sphere", time.duration)
-          : fmt::format("the shortest impact, {:.3g} s, of two of the lightest spheres",
-                        time.duration);
-  const std::string parts = fmt::format("1/{:.3g} of {}", time.duration / scene.setup.dt, contact);
+  const std::string parts = fmt::format("1/{:.3g} of {}, {:.3g} s", time.duration / scene.setup.dt,
+                                        time.of, time.duration);
   return scene.step_chosen ? fmt::format("chosen: {}", parts)
                            : fmt::format("given: {}; {:.3g} s would be chosen", parts, time.step);
 }

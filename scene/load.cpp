@@ -48,6 +48,7 @@ class Completion {
 
   void run() {
     const std::size_t before = mistakes_.count();
+    check_springs();
     complete_time();
     timed_ = mistakes_.count() == before && keys_.setup.dt > 0 && keys_.steps > 0;
     complete_forces();
@@ -144,11 +145,40 @@ class Completion {
     }
   }
 
+  // What dashpots can give, and steps can follow.
+  void check_springs() {
+    const auto& law = keys_.setup.contact_law;
+    if (!law || law->kind == models::ContactLawKind::impulse) return;
+    constexpr double least_restitution = 0.01;
+    const auto check = [&](double restitution, const std::string& path, const char* section) {
+      if (restitution >= least_restitution) return;
+      followed_ = false;
+      fail(path + ".restitution",
+           fmt::format("\"restitution\" in {} is less than a dashpot gives", section),
+           fmt::format("expected at least {}, or kind = \"impulse\"", least_restitution));
+    };
+    check(law->restitution, "contact_law", "[contact_law]");
+    for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+      check(keys_.obstacles[i].restitution, fmt::format("obstacle.{}", i), "[[obstacle]]");
+    }
+    for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+      const auto bounded = [&](const solver::Spread& spread, const char* key) {
+        if (spread.kind != solver::Spread::Kind::normal || spread.a > 4 * spread.b) return;
+        followed_ = false;
+        fail(fmt::format("emitter.{}.{}", i, key),
+             fmt::format("\"{}\" in [[emitter]] comes near zero, and no step follows that", key),
+             "expected a deviation of less than a quarter of the mean, or { uniform = [..] }");
+      };
+      bounded(keys_.emitters[i].mass, "mass");
+      bounded(keys_.emitters[i].radius, "radius");
+    }
+  }
+
   // The step that the contacts want, or the next smaller one of which there is a whole number in
   // the run, and between its frames.
   void choose_step() {
     const TimeKeys& time = keys_.time;
-    if (!one_of("time", "duration") || !(time.duration || time.steps)) return;
+    if (!one_of("time", "duration") || !(time.duration || time.steps) || !followed_) return;
     solver::Setup setup = keys_.setup;
     for (const EmitterKeys& emitter : keys_.emitters) setup.emitters.push_back(emitter);
     for (const ObstacleKeys& obstacle : keys_.obstacles) setup.obstacles.push_back(obstacle);
@@ -254,7 +284,7 @@ class Completion {
     const solver::ContactTime time = solver::contact_time(keys_.setup);
     if (keys_.setup.dt <= time.longest_step) return;
     fail(keys_.time.dt ? "time.dt" : "time",
-         fmt::format("steps of {:.3g} s cannot follow contacts of {:.3g} s", keys_.setup.dt,
+         fmt::format("steps of {:.3g} s cannot follow {}, {:.3g} s", keys_.setup.dt, time.of,
                      time.duration),
          fmt::format("expected at most {:.3g} s, best {:.3g} s: leave \"dt\" out, or make the "
                      "contacts softer",
@@ -622,6 +652,7 @@ class Completion {
   Mistakes& mistakes_;
   const bool read_whole_;  // no value was wrong
   bool timed_ = false;     // the step and the end are known
+  bool followed_ = true;   // by some step, what contacts do
 };
 
 }  // namespace

@@ -28,6 +28,26 @@ std::uint64_t emitted(const solver::Setup& setup, const solver::Emitter& emitter
   return solver::EmissionSchedule(emitter, setup.t0, setup.dt).total();
 }
 
+// The smallest lattice of the same shape that stands where the given one does and has so many
+// sites: its particles touch as those do, which the first of many layers would not.
+void shrink(solver::Emitter& lattice, std::uint64_t sites) {
+  const solver::Emitter whole = lattice;
+  const auto resize = [&](double factor) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      lattice.size[c] = whole.spacing + factor * (whole.size[c] - whole.spacing);
+    }
+    lattice.position[1] = whole.position[1] - 0.5 * (whole.size[1] - lattice.size[1]);
+  };
+  double small = 0;
+  double large = 1;
+  for (int i = 0; i < 20; ++i) {
+    const double middle = 0.5 * (small + large);
+    resize(middle);
+    (solver::lattice_sites(lattice) < sites ? small : large) = middle;
+  }
+  resize(large);
+}
+
 void scale(const solver::Setup& setup, solver::Emitter& emitter, double factor) {
   const auto count = static_cast<double>(emitted(setup, emitter));
   if (emitter.kind == solver::EmitterKind::jet) {
@@ -35,6 +55,10 @@ void scale(const solver::Setup& setup, solver::Emitter& emitter, double factor) 
     return;
   }
   emitter.count = static_cast<std::uint64_t>(std::max(1.0, std::floor(count * factor)));
+  if (emitter.kind == solver::EmitterKind::lattice) {
+    shrink(emitter, static_cast<std::uint64_t>(static_cast<double>(solver::lattice_sites(emitter)) *
+                                               factor));
+  }
   // The same energy a particle: fewer that share the whole budget would be faster ones.
   emitter.energy *= static_cast<double>(emitter.count) / count;
 }

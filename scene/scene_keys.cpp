@@ -223,7 +223,7 @@ const Section<ContactLaw>& contact_law_section() {
                   .only(hertz),
               of.key("restitution", "", &ContactLaw::restitution,
                      "of a head-on impact of two particles; an obstacle has its own",
-                     between(0.01, 1)),
+                     between(0, 1)),
               of.key("tangential_damping", "", &ContactLaw::tangential_damping,
                      "over the normal damping", between(0, 10))
                   .only(linear | hertz),

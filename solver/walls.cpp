@@ -229,7 +229,6 @@ bool Walls::comes_near(const Obstacle& shape, const Bounds& bounds, double margi
 }
 
 FeatureGrid::FeatureGrid(const models::MeshFeatures& mesh) : mesh_(&mesh) {
-  constexpr double cells_along = 64;  // the longest edge of the box about the mesh
   Triple highest = mesh.bounds.front().highest;
   origin_ = mesh.bounds.front().lowest;
   for (const models::MeshBounds& bounds : mesh.bounds) {
@@ -242,9 +241,21 @@ FeatureGrid::FeatureGrid(const models::MeshFeatures& mesh) : mesh_(&mesh) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     longest = std::max(longest, highest[axis] - origin_[axis]);
   }
-  inverse_cell_ = cells_along / longest;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    counts_[axis] = 1 + static_cast<std::size_t>((highest[axis] - origin_[axis]) * inverse_cell_);
+  // Fine cells hold few that are far, but a large triangle is in many of them.
+  constexpr double finest = 64;  // along the longest edge of the box about the mesh
+  constexpr std::size_t cells_of_a_feature = 8;
+  for (double along = finest; along >= 1; along /= 2) {
+    inverse_cell_ = along / longest;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      counts_[axis] = 1 + static_cast<std::size_t>((highest[axis] - origin_[axis]) * inverse_cell_);
+    }
+    std::size_t entries = 0;
+    for (const models::MeshBounds& bounds : mesh.bounds) {
+      const auto low = cells_of(bounds.lowest);
+      const auto high = cells_of(bounds.highest);
+      entries += (high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1);
+    }
+    if (entries <= cells_of_a_feature * mesh.bounds.size()) break;
   }
   const auto for_each_cell = [&](const models::MeshBounds& bounds, const auto& visit) {
     const auto low = cells_of(bounds.lowest);
@@ -304,15 +315,19 @@ void FeatureGrid::find(const Triple& center, double reach,
             apart =
                 apart || bounds.lowest[axis] > highest[axis] || bounds.highest[axis] < lowest[axis];
           }
-          if (!apart) found.push_back(feature_[n]);
+          if (apart) continue;
+          // A feature is in every cell that its box meets: it counts in the first one seen here.
+          const auto own = cells_of(bounds.lowest);
+          if (i == std::max(low[0], own[0]) && j == std::max(low[1], own[1]) &&
+              k == std::max(low[2], own[2])) {
+            found.push_back(feature_[n]);
+          }
         }
       }
     }
   }
-  // A feature is in every cell that its box meets.
   const auto start = found.begin() + static_cast<std::ptrdiff_t>(before);
   std::sort(start, found.end());  // exact-set: whole numbers
-  found.erase(std::unique(start, found.end()), found.end());
 }
 
 }  // namespace salvo::solver

@@ -80,6 +80,21 @@ TEST(ScaledForVerify, LeavesSmallScenesAlone) {
   EXPECT_EQ(scaled.scaling, "");
 }
 
+// A lattice is cut to a smaller one at the same place, not to its first layer.
+TEST(ScaledForVerify, KeepsTheShapeOfALattice) {
+  const Scene scene = load((repository / "scenes" / "debris.toml").string());
+  const Scene scaled = scaled_for_verify(scene);
+  const solver::Emitter& hill = scene.setup.emitters[0];
+  const solver::Emitter& small = scaled.setup.emitters[0];
+  EXPECT_GE(small.count, 5990U);
+  EXPECT_LE(small.count, 6000U);
+  EXPECT_GE(solver::lattice_sites(small), small.count);
+  EXPECT_LE(solver::lattice_sites(small), small.count + small.count / 20);
+  EXPECT_NEAR(small.size[0] / small.size[1], hill.size[0] / hill.size[1], 0.1);
+  EXPECT_EQ(small.position[0], hill.position[0]);
+  EXPECT_NEAR(small.position[1] - small.size[1] / 2, hill.position[1] - hill.size[1] / 2, 1e-9);
+}
+
 TEST(KeyReference, OfTheDocumentationIsUpToDate) {
   std::ifstream file(repository / "docs" / "scenes.md");
   std::ostringstream text;
@@ -123,6 +138,26 @@ TEST_P(ShippedScene, Loads) {
     EXPECT_LE(solver::World::total_emitted(scene.setup), 20'000u);
     EXPECT_LE(scene.steps, 500);
   }
+}
+
+// Equal bits of particles that never met would say nothing of contacts.
+TEST_P(ShippedScene, TouchesWhenVerified) {
+  const AnyScene any = load_any(GetParam());
+  const auto* scene = std::get_if<Scene>(&any);
+  if (!scene || !scene->setup.contact_law) return;
+  const Scene scaled = scaled_for_verify(*scene);
+  solver::World world(scaled.setup, {solver::widest_isa(), 2, 1});
+  std::uint64_t pairs = 0;
+  std::uint64_t walls = 0;
+  constexpr std::int64_t looks = 400;  // an impact is short
+  for (std::int64_t look = 1; look <= looks; ++look) {
+    world.advance_to(scaled.steps * look / looks);
+    const solver::Diagnostics seen = world.diagnose();
+    pairs += seen.contacts->pair_contacts;
+    walls += seen.contacts->wall_contacts;
+  }
+  EXPECT_GT(pairs, 0U);
+  EXPECT_TRUE(walls > 0 || scaled.setup.obstacles.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(shipped_scenes()),
