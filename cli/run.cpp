@@ -73,6 +73,7 @@ class RecordedRun {
     }
     seconds_ = progress_.seconds();
     progress_.clear();
+    say_relaxed();
     say_removed();
     if (options_.json) {
       print_json(document(outcome));
@@ -201,6 +202,11 @@ class RecordedRun {
                       bytes_text(counters.bytes_written), directory_.string()));
   }
 
+  void say_relaxed() const {
+    const solver::BirthOverlaps& relaxed = world_->relaxed();
+    if (relaxed.pairs > 0) note(fmt::format("{}; moved apart", describe(relaxed)));
+  }
+
   // Particles that leave are what the scene expects; those that become non-finite are not.
   void say_removed() const {
     const auto text = [](const solver::Removals& removals) {
@@ -262,6 +268,7 @@ class RecordedRun {
                        {"bytes_written", counters.bytes_written}}}};
     document["removed"] = {{"left_domain", json_of(world_->left_domain())},
                            {"non_finite", json_of(world_->non_finite())}};
+    document["relaxed"] = {{"pairs", world_->relaxed().pairs}, {"worst", world_->relaxed().worst}};
     document["state_hash"] = last() ? Json(to_string(last()->hash.total)) : Json(nullptr);
     if (outcome.status == RunStatus::interrupted) document["resume"] = resume_command();
     if (outcome.status == RunStatus::failed) {

@@ -273,8 +273,7 @@ class Completion {
       fail(path + ".friction", "\"friction\" in [[obstacle]] needs particles that turn",
            "give a friction in [contact_law]");
     }
-    // The impulse law takes overlaps back without adding energy; springs let go of what they hold.
-    if (law.kind != models::ContactLawKind::impulse) keys_.setup.birth_tolerance = 0.01;
+    keys_.setup.birth_tolerance = 0.01;
     if (timed_ && law.kind != models::ContactLawKind::impulse && mistakes_.count() == 0) {
       check_step();
     }

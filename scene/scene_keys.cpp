@@ -245,8 +245,7 @@ const Section<ContactLaw>& contact_law_section() {
                      "keep the heat that each particle's contacts make"),
               of.key("relax", "", &ContactLaw::relax,
                      "move particles apart that overlap others or obstacles by more than 1 % of "
-                     "the smaller radius when they are emitted; without it that is an error")
-                  .only(linear | hertz),
+                     "the smaller radius when they are emitted; without it that is an error"),
           })
           .decided_by([](const ContactLaw& law) { return static_cast<int>(law.kind); });
   return section;

@@ -27,7 +27,8 @@ struct BirthOverlaps {
   double worst = 0;         ///< overlap over the smaller radius
   soa::Id particle = 0;     ///< of the worst, the lower id
   soa::Id partner = 0;
-  std::optional<std::size_t> obstacle;  ///< in place of the partner: its place in the scene
+  std::optional<std::size_t> obstacle{};  ///< in place of the partner: its place in the scene
+  std::int64_t step = 0;                  ///< of the worst
 };
 
 /// Of the rows from `first_row` on with all rows and obstacles. Rows may be in any order.

@@ -22,9 +22,12 @@ constexpr std::size_t remembered_rows = 100;
 
 constexpr std::size_t index(ParticleField field) { return static_cast<std::size_t>(field); }
 
+std::string describe(soa::Id id) {
+  return fmt::format("{} (stream {}, serial {})", id, soa::stream_of(id), soa::serial_of(id));
+}
+
 std::string describe(const BadRow& row) {
-  return fmt::format("particle {} (stream {}, serial {}) {} at step {}: {} = {}", row.id,
-                     soa::stream_of(row.id), soa::serial_of(row.id),
+  return fmt::format("particle {} {} at step {}: {} = {}", describe(row.id),
                      row.left_domain ? "left the domain" : "became non-finite", row.step,
                      row.column, row.value);
 }
@@ -86,18 +89,24 @@ double drag_area_of(const Emitter& emitter) {
 
 NumericalError::NumericalError(const BadRow& row) : std::runtime_error(describe(row)), row_(row) {}
 
-OverlapAtBirth::OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps, std::int64_t step)
-    : std::runtime_error(fmt::format(
-          "{} overlap{} when emitted at step {}, the worst by {:.3g} % of the smaller radius: {}",
-          overlaps.pairs == 1 ? "a pair" : fmt::format("{} pairs", overlaps.pairs),
-          overlaps.pairs == 1 ? "s" : "", step, 100 * overlaps.worst,
-          overlaps.obstacle
-              ? fmt::format("particle {} and obstacle {}", overlaps.particle, *overlaps.obstacle)
-              : fmt::format("particles {} and {}", overlaps.particle, overlaps.partner))),
-      overlaps_(overlaps),
-      hint_(setup.contact_law->relax
-                ? "they could not be moved apart in 1000 rounds: give them more room"
-                : "a larger spacing, or relax = true in [contact_law], which moves them apart") {}
+std::string describe(const BirthOverlaps& overlaps) {
+  const std::string pairs =
+      overlaps.pairs == 1 ? "a pair overlaps" : fmt::format("{} pairs overlap", overlaps.pairs);
+  const std::string partner = overlaps.obstacle ? fmt::format("obstacle {}", *overlaps.obstacle)
+                                                : "particle " + describe(overlaps.partner);
+  return fmt::format(
+      "{} when emitted at step {}, the worst by {:.3g} % of the smaller radius: particle {} and {}",
+      pairs, overlaps.step, 100 * overlaps.worst, describe(overlaps.particle), partner);
+}
+
+OverlapAtBirth::OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps)
+    : std::runtime_error(describe(overlaps)), overlaps_(overlaps) {
+  hint_ = setup.contact_law->relax
+              ? "they could not be moved apart in 1000 rounds: give them more room"
+          : overlaps.obstacle ? "emit them away from the obstacle, or "
+                              : "a larger spacing, or ";
+  if (!setup.contact_law->relax) hint_ += "relax = true in [contact_law], which moves them apart";
+}
 
 std::vector<bool> World::stored_fields(const Setup& setup) {
   const FloatingPointEnvironment environment;
@@ -256,18 +265,18 @@ void World::emit_due() {
 }
 
 void World::check_births(std::size_t first_row) {
-  const auto overlaps = [&] {
-    return find_birth_overlaps(setup_, time(), particles_, first_row, *setup_.birth_tolerance,
-                               execution_.isa, *parallel_);
-  };
-  const BirthOverlaps found = overlaps();
+  const double tolerance = *setup_.birth_tolerance;
+  BirthOverlaps found = find_birth_overlaps(setup_, time(), particles_, first_row, tolerance,
+                                            execution_.isa, *parallel_);
   if (found.pairs == 0) return;
-  if (setup_.contact_law->relax &&
-      move_apart(setup_, time(), particles_, first_row, *setup_.birth_tolerance, execution_.isa,
-                 *parallel_)) {
-    return;
+  found.step = step_;
+  if (!setup_.contact_law->relax ||
+      !move_apart(setup_, time(), particles_, first_row, tolerance, execution_.isa, *parallel_)) {
+    throw OverlapAtBirth(setup_, found);
   }
-  throw OverlapAtBirth(setup_, setup_.contact_law->relax ? overlaps() : found, step_);
+  const std::uint64_t pairs = relaxed_.pairs + found.pairs;
+  if (found.worst > relaxed_.worst) relaxed_ = found;
+  relaxed_.pairs = pairs;
 }
 
 void World::find_next_death(std::size_t first_row) {

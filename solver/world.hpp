@@ -75,7 +75,7 @@ class NumericalError : public std::runtime_error {
 /// Particles that touch were emitted into each other or an obstacle.
 class OverlapAtBirth : public std::runtime_error {
  public:
-  OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps, std::int64_t step);
+  OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps);
   const BirthOverlaps& overlaps() const { return overlaps_; }
   /// What to do.
   const std::string& hint() const { return hint_; }
@@ -84,6 +84,9 @@ class OverlapAtBirth : public std::runtime_error {
   BirthOverlaps overlaps_;
   std::string hint_;
 };
+
+/// In words.
+std::string describe(const BirthOverlaps& overlaps);
 
 /// The particles that went for one reason, and the first of them.
 struct Removals {
@@ -119,6 +122,8 @@ class World {
   const Removals& non_finite() const { return non_finite_; }
   /// The first 100 of them, by step and id.
   const std::vector<BadRow>& removed_rows() const { return removed_rows_; }
+  /// What overlapped when emitted and was moved apart, since construction.
+  const BirthOverlaps& relaxed() const { return relaxed_; }
   /// Particle-steps taken since construction; for rates.
   std::uint64_t particle_steps() const { return particle_steps_; }
 
@@ -190,6 +195,7 @@ class World {
   std::uint64_t particle_steps_ = 0;
   Removals left_domain_;
   Removals non_finite_;
+  BirthOverlaps relaxed_;
   std::vector<BadRow> removed_rows_;
   std::vector<BadRow> bad_rows_;  // of the current pass
   std::vector<float> instants_single_;

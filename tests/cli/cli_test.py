@@ -508,7 +508,7 @@ class Contacts(Case):
     def test_the_chosen_step_is_explained(self):
         text = self.salvo("info", "pour.toml").stdout
         self.assertIn("linear_spring", text)
-        self.assertIn("dt is chosen: 1/50 of the shortest impact", text)
+        self.assertIn("dt is chosen: 1/50 of the impact of two of the lightest spheres", text)
         result = self.salvo("run", "pour.toml", "--set", "time.dt=1e-3", status=3)
         self.assertRegex(result.stderr, r"dt.*(impact|contact)")
 
@@ -517,11 +517,15 @@ class Contacts(Case):
         for verb in ("run", "hash", "verify"):
             result = self.salvo(verb, "pour.toml", *close, status=3)
             self.assertRegex(result.stderr, r"\d+ pairs overlap when emitted at step 0, the worst by [\d.]+ % of the smaller "
-                                            r"radius: particles \d+ and \d+\n  a larger spacing, or relax = true")
+                                            r"radius: particle \d+ \(stream \d+, serial \d+\) and particle \d+ \(stream \d+, "
+                                            r"serial \d+\)\n  a larger spacing, or relax = true")
         self.assertFalse(list((self.dir / "out").glob("*/frame*")))
-        first = self.document("run", "pour.toml", *close, "--set", "contact_law.relax=true",
-                              "--set", "frames.count=1")["frames"][0]
-        self.assertLess(first["max_relative_overlap"], 0.0101)
+        relaxed = [*close, "--set", "contact_law.relax=true", "--set", "frames.count=1"]
+        document = self.document("run", "pour.toml", *relaxed)
+        self.assertLess(document["frames"][0]["max_relative_overlap"], 0.0101)
+        self.assertGreater(document["relaxed"]["pairs"], 10)
+        self.assertGreater(document["relaxed"]["worst"], 0.1)
+        self.assertRegex(self.salvo("run", "pour.toml", *relaxed, "--out", "said").stderr, r"pairs overlap .* moved apart")
 
     def test_what_cannot_touch(self):
         for change, message in (("emitter.0.spacing=1", "the lattice has no site"),

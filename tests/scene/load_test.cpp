@@ -762,7 +762,7 @@ TEST(SceneMistakes, ContactLaws) {
   says(touching(spring, "mass = 1\nradius = 0\n"), "particles that touch need a radius");
   says(touching(spring, "mass = 1\nradius = -1\n"), "radius");
   says(touching(spring, "mass = 0\nradius = 0.1\n"), "mass");
-  says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e12\n"), "cannot follow contacts");
+  says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e12\n"), "cannot follow the impact");
   says(touching(spring + "rolling_friction = 0.1\n"), "there is no friction");
   says(touching(spring, "mass = 1\nradius = 0.1\n",
                 "[[obstacle]]\nshape = \"plane\"\nfriction = 0.5\n"),
@@ -777,7 +777,15 @@ TEST(SceneMistakes, ContactLaws) {
   says(touching(spring, "mass = 1\nradius = 0.1\n",
                 "[[obstacle]]\nshape = \"mesh\"\nfile = \"nowhere.obj\"\n"),
        "nowhere.obj");
-  says(touching("kind = \"impulse\"\nrelax = true\n"), "relax");
+  says(touching(spring + "restitution = 0\n"), "expected at least 0.01");
+  says(touching(spring, "mass = 1\nradius = 0.1\n",
+                "[[obstacle]]\nshape = \"plane\"\nrestitution = 0.001\n"),
+       "obstacle");
+  EXPECT_EQ(mistakes_of(touching("kind = \"impulse\"\nrestitution = 0\n")), "no mistake");
+  says(touching(spring, "mass = { normal = [1, 0.3] }\nradius = 0.1\n"), "no step follows that");
+  says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e6\nfriction = 0.5\n"
+                "tangential_ratio = 1000\n"),
+       "cannot follow the slip spring (tangential_ratio)");
 }
 
 TEST(SceneMistakes, WhatNeedsAContactLaw) {
