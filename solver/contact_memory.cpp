@@ -74,6 +74,10 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
     sides[pair] = {rank_of(id[pair]),
                    wall ? wall_flag | static_cast<std::uint32_t>(soa::serial_of(partner[pair]))
                         : rank_of(partner[pair])};
+    // A list in another order would find some of them and forget the others.
+    if (pair > 0 && sides[pair] <= sides[pair - 1]) {
+      throw std::invalid_argument("contacts are not sorted by id and partner");
+    }
     ++entries_[sides[pair][0]].last;
     if (!wall) ++entries_[sides[pair][1]].last;
   }

@@ -25,7 +25,7 @@ class ContactMemory {
       : law_(law), parallel_(parallel) {}
 
   /// Takes over a table of contacts, sorted by ids, between rows that are sorted by `ids`. Throws
-  /// std::invalid_argument where one is of a particle that is not there.
+  /// std::invalid_argument where they are not, or one is of a particle that is not there.
   void load(const soa::Table& contacts, std::span<const soa::Id> ids, std::size_t rows);
   /// Appends the contacts of the rows that live to an empty table. `rank` is the place by id of
   /// each row, `row_of` the reverse.

@@ -555,6 +555,7 @@ void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
   in_contact_solver_ = false;
   any_gone_ = false;
   particles_ = std::move(particles);
+  particles_.sort_by_id();
   contacts_ = contacts ? std::move(*contacts) : empty_contacts(setup_);
   particles_.reserve(total_emitted(setup_));
   tally_ = tally;

@@ -138,9 +138,9 @@ class World {
   Diagnostics diagnose() const;
   StateHash hash() const;
 
-  /// Replaces the state by that of a checkpoint: tables of the same fields, sorted by id, at
-  /// `step`.
-  /// Without `contacts` none remembers anything.
+  /// Replaces the state by that of a checkpoint: tables of the same fields at `step`. Particles may
+  /// be rows in any order; contacts are sorted by id and partner, else advance_to() throws
+  /// std::invalid_argument. Without `contacts` none remembers anything.
   void restore(std::int64_t step, soa::Table particles, ContactTally tally, std::uint64_t removed,
                std::optional<soa::Table> contacts = std::nullopt);
 

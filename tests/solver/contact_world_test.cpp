@@ -3,6 +3,9 @@
 // even in float.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -241,6 +244,74 @@ TEST(ContactWorld, ContinuesFromACopyOfItsState) {
       }
     }
   }
+}
+
+// Every third row from the back: no neighbors by id stay neighbors.
+soa::Table shuffled(const soa::Table& table) {
+  std::vector<std::size_t> order;
+  for (std::size_t first : {1, 0, 2}) {
+    for (std::size_t row = first; row < table.rows(); row += 3) order.push_back(row);
+  }
+  std::reverse(order.begin(), order.end());
+  soa::Table result = table.copy();
+  for (std::size_t f = 0; f < table.fields().size(); ++f) {
+    if (!table.stored(f)) continue;
+    const std::size_t size = size_of(table.fields()[f].scalar, table.precision());
+    for (std::size_t c = 0; c < table.fields()[f].components; ++c) {
+      for (std::size_t row = 0; row < order.size(); ++row) {
+        std::memcpy(result.bytes(f, c) + row * size, table.bytes(f, c) + order[row] * size, size);
+      }
+    }
+  }
+  return result;
+}
+
+TEST(ContactWorld, DoesNotDependOnTheOrderOfTheRowsThatItStartsFrom) {
+  for (const NamedContacts& packing : packings()) {
+    World whole(packing.setup, {});
+    for (const std::int64_t start : {0, 59, 133}) {
+      whole.advance_to(start);
+      World straight(packing.setup, {});
+      straight.advance_to(start + 40);
+      for (const Execution& way :
+           {reference, execution(solver::widest_isa(), 1), execution(solver::widest_isa(), 3)}) {
+        soa::Table particles = shuffled(whole.particles());
+        ASSERT_FALSE(particles.sorted_by_id());
+        World world(packing.setup, way);
+        world.restore(start, std::move(particles), whole.tally(), whole.removed(),
+                      whole.contacts().copy());
+        EXPECT_EQ(world.hash().total, whole.hash().total) << packing.name << ", " << start;
+        world.advance_to(start + 40);
+        EXPECT_EQ(world.hash().total, straight.hash().total) << packing.name << ", " << start;
+        EXPECT_EQ(world.removed(), straight.removed());
+      }
+    }
+  }
+}
+
+// Streams name particles, whichever emitter comes first in the scene.
+TEST(ContactWorld, DoesNotDependOnTheOrderOfTheEmitters) {
+  for (const NamedContacts& packing : packings()) {
+    const std::vector<std::string> wanted = hashes(packing.setup, {});
+    solver::Setup setup = packing.setup;
+    for (std::size_t turn = 1; turn < setup.emitters.size(); ++turn) {
+      std::rotate(setup.emitters.begin(), setup.emitters.begin() + 1, setup.emitters.end());
+      for (const int threads : {1, 3}) {
+        EXPECT_EQ(hashes(setup, execution(solver::widest_isa(), threads)), wanted)
+            << packing.name << ", " << setup.emitters[0].stream << " first";
+      }
+    }
+  }
+}
+
+TEST(ContactWorld, RefusesContactsInAnotherOrder) {
+  const solver::Setup setup = stirred(linear(2e3, 0.5, 0.5), Precision::float32);
+  World whole(setup, {});
+  whole.advance_to(50);
+  World world(setup, {});
+  world.restore(50, whole.particles().copy(), whole.tally(), whole.removed(),
+                shuffled(whole.contacts()));
+  EXPECT_THROW(world.advance_to(51), std::invalid_argument);
 }
 
 TEST(ContactWorld, ChangesItsExecutionInTheMiddleOfContacts) {
