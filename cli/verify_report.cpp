@@ -21,6 +21,17 @@ std::string with_decimal(const std::string& value) {
   return fmt::format("{} ({:.9g})", value, std::strtod(value.c_str(), nullptr));
 }
 
+std::string particle(soa::Id id) {
+  return fmt::format("particle {} (stream {}, serial {})", id, soa::stream_of(id),
+                     soa::serial_of(id));
+}
+
+// In a contact: another particle, or one of the smooth parts of all obstacles.
+std::string partner(soa::Id id) {
+  if (soa::stream_of(id) != soa::max_stream) return particle(id);
+  return fmt::format("part {} of the obstacles", soa::serial_of(id));
+}
+
 std::string describe(const Difference& difference) {
   std::string text = difference.exact()
                          ? fmt::format("first difference at step {}", difference.step)
@@ -29,14 +40,13 @@ std::string describe(const Difference& difference) {
                                "again in single steps",
                                difference.step, difference.equal_step);
   text += fmt::format(": {}", difference.column);
-  if (difference.id) {
-    text += fmt::format(" of particle {} (stream {}, serial {})", *difference.id,
-                        soa::stream_of(*difference.id), soa::serial_of(*difference.id));
-  }
+  if (difference.id) text += " of " + particle(*difference.id);
+  if (difference.partner) text += " and " + partner(*difference.partner);
   text += fmt::format("\n  reference  {}\n  here       {}\n", with_decimal(difference.reference),
                       with_decimal(difference.varied));
   if (difference.rows > 1) {
-    text += fmt::format("  {} differ at this step\n", counted(difference.rows, "particle"));
+    text += fmt::format("  {} differ at this step\n",
+                        counted(difference.rows, difference.partner ? "contact" : "particle"));
   }
   return text;
 }

@@ -6,6 +6,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
+
+#include "soa/contact_fields.hpp"
 
 namespace salvo::scene {
 
@@ -68,16 +71,35 @@ std::string text_at(const soa::Table& table, std::size_t field, std::size_t comp
   return {};
 }
 
-// The first column in which two rows of one id differ.
+// What names a row: its id, and in a table of contacts also the partner's.
+using Key = std::pair<soa::Id, soa::Id>;
+
+bool of_contacts(const soa::Table& table) {
+  return table.fields().data() == soa::contact_fields.data();
+}
+
+Key key_at(const soa::Table& table, std::size_t row) {
+  const auto partner = static_cast<std::size_t>(soa::ContactField::partner);
+  return {table.ids()[row],
+          of_contacts(table) ? table.column<std::uint64_t>(partner)[row] : soa::Id{}};
+}
+
+Difference difference_of(const soa::Table& table, const Key& key) {
+  Difference difference;
+  difference.id = key.first;
+  if (of_contacts(table)) difference.partner = key.second;
+  return difference;
+}
+
+// The first column in which two rows of one key differ.
 std::optional<Difference> row_difference(const soa::Table& a, std::size_t row_a,
                                          const soa::Table& b, std::size_t row_b) {
   for (std::size_t f = 1; f < a.fields().size(); ++f) {
     if (!a.stored(f)) continue;
     for (std::size_t c = 0; c < a.fields()[f].components; ++c) {
       if (same(a, row_a, b, row_b, f, c)) continue;
-      Difference difference;
+      Difference difference = difference_of(a, key_at(a, row_a));
       difference.column = column_name(a.fields()[f], c);
-      difference.id = a.ids()[row_a];
       difference.reference = text_at(a, f, c, row_a);
       difference.varied = text_at(b, f, c, row_b);
       return difference;
@@ -86,12 +108,12 @@ std::optional<Difference> row_difference(const soa::Table& a, std::size_t row_a,
   return std::nullopt;
 }
 
-Difference missing_row(soa::Id id, bool in_reference) {
-  Difference difference;
-  difference.column = "id";
-  difference.id = id;
-  difference.reference = in_reference ? fmt::to_string(id) : "absent";
-  difference.varied = in_reference ? "absent" : fmt::to_string(id);
+Difference missing_row(const soa::Table& table, const Key& key, bool in_reference) {
+  Difference difference = difference_of(table, key);
+  difference.column = table.fields()[0].name;
+  const std::string there = difference.partner ? "there" : fmt::to_string(key.first);
+  difference.reference = in_reference ? there : "absent";
+  difference.varied = in_reference ? "absent" : there;
   return difference;
 }
 
@@ -113,10 +135,10 @@ std::optional<Difference> first_difference(const soa::Table& reference, const so
     std::optional<Difference> here;
     const bool a_left = a < reference.rows();
     const bool b_left = b < varied.rows();
-    if (a_left && (!b_left || reference.ids()[a] < varied.ids()[b])) {
-      here = missing_row(reference.ids()[a++], true);
-    } else if (b_left && (!a_left || varied.ids()[b] < reference.ids()[a])) {
-      here = missing_row(varied.ids()[b++], false);
+    if (a_left && (!b_left || key_at(reference, a) < key_at(varied, b))) {
+      here = missing_row(reference, key_at(reference, a++), true);
+    } else if (b_left && (!a_left || key_at(varied, b) < key_at(reference, a))) {
+      here = missing_row(varied, key_at(varied, b++), false);
     } else {
       here = row_difference(reference, a++, varied, b++);
     }

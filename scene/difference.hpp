@@ -13,9 +13,11 @@ namespace salvo::scene {
 struct Difference {
   std::int64_t step = 0;        ///< the first step known to differ
   std::int64_t equal_step = 0;  ///< the last step known to be equal; -1: none
-  std::string column;           ///< such as "velocity.y"; "id" when only one state has the row
-  std::optional<soa::Id> id;    ///< none: a result of the whole state, such as "impacts"
-  std::string reference;        ///< hexadecimal floating point, a whole number, or "absent"
+  /// Such as "velocity.y"; "id", or "contact" of two, when only one state has the row.
+  std::string column;
+  std::optional<soa::Id> id;       ///< none: a result of the whole state, such as "impacts"
+  std::optional<soa::Id> partner;  ///< in a contact, as in soa::contact_fields
+  std::string reference;           ///< hexadecimal floating point, a whole number, or "absent"
   std::string varied;
   std::uint64_t rows = 0;  ///< rows that differ at `step`
 
@@ -28,8 +30,9 @@ struct Difference {
 bool same_bits(double a, double b);
 bool same_bits(float a, float b);
 
-/// Two tables of the same fields and the same stored columns, sorted by id. The lowest id that
-/// differs, and its first column; steps are left for the caller to fill in.
+/// Two tables of the same fields and the same stored columns, particles sorted by id or contacts
+/// by id and partner. The lowest that differs, and its first column; steps are left for the caller
+/// to fill in.
 std::optional<Difference> first_difference(const soa::Table& reference, const soa::Table& varied);
 
 /// The value of a column such as "velocity.y" in the row of an id, as Difference gives it; "absent"

@@ -374,6 +374,7 @@ class Verifier {
                                     const World& varied) const {
     if (is_part(run)) return first_difference(part(reference, run), part(varied, run));
     auto difference = first_difference(reference.particles(), varied.particles());
+    if (!difference) difference = first_difference(reference.contacts(), varied.contacts());
     return difference ? difference : summary_difference(summary_of(reference), summary_of(varied));
   }
 

@@ -4,7 +4,7 @@
 // One axis at a time is varied from the reference (scalar, one thread, one step a pass):
 // instruction set, threads, steps a pass; stopping and resuming; fewer rows; one emitter alone.
 // State hashes are compared at every frame. On a difference both runs go back to the last equal
-// frame and take single steps, to name the first step, column and id.
+// frame and take single steps, to name the first step, column and id, or ids of a contact.
 #pragma once
 
 #include <cstdint>

@@ -22,15 +22,16 @@ enum class ContactField : std::size_t {
 inline constexpr std::array<Field, 4> contact_fields{{
     {"contact", Scalar::uint64, 1, "", "id of the particle, the lower of the two", 0, 0, unbounded},
     {"partner", Scalar::uint64, 1, "",
-     "id of the other particle, or the largest stream and an obstacle's place in the scene", 0, 0,
-     unbounded},
+     "id of the other particle, or the largest stream and the number of an obstacle's smooth part",
+     0, 0, unbounded},
     {"tangential_displacement", Scalar::real, 3, "m", "of the spring in the plane of contact", 0,
      -unbounded, unbounded},
     {"rolling_displacement", Scalar::real, 3, "m", "of the spring against rolling", 0, -unbounded,
      unbounded},
 }};
 
-/// The partner that stands for an obstacle.
-constexpr Id obstacle_partner(std::uint64_t place) { return make_id(max_stream, place); }
+/// The partner that stands for a smooth part of an obstacle, counted through the scene: one of most
+/// obstacles, six of a hollow box, the features of a mesh.
+constexpr Id obstacle_partner(std::uint64_t part) { return make_id(max_stream, part); }
 
 }  // namespace salvo::soa

@@ -51,5 +51,38 @@ every = 4
       << report;
 }
 
+TEST(VerifyReport, NamesBothSidesOfAContact) {
+  scene::Difference difference;
+  difference.step = 12;
+  difference.equal_step = 11;
+  difference.column = "tangential_displacement.x";
+  difference.id = soa::make_id(1, 3);
+  difference.partner = soa::make_id(0, 5);
+  difference.reference = "0x1p-1";
+  difference.varied = "0x1p+0";
+  difference.rows = 2;
+  scene::VerifyResult result;
+  result.runs.resize(2);
+  result.runs[1].axis = scene::VerifyAxis::threads;
+  result.runs[1].value = "3";
+  const auto report = [&] {
+    result.runs[1].difference = difference;
+    return cli::verify_report({}, {}, result);
+  };
+  const std::string id = std::to_string(soa::make_id(1, 3));
+  const std::string of_pair = report();
+  EXPECT_NE(of_pair.find("threads 3: first difference at step 12: tangential_displacement.x of "
+                         "particle " +
+                         id +
+                         " (stream 1, serial 3) and particle 5 (stream 0, "
+                         "serial 5)\n"),
+            std::string::npos)
+      << of_pair;
+  EXPECT_NE(of_pair.find("  2 contacts differ at this step\n"), std::string::npos) << of_pair;
+  difference.partner = soa::make_id(soa::max_stream, 4);
+  const std::string of_wall = report();
+  EXPECT_NE(of_wall.find(" and part 4 of the obstacles\n"), std::string::npos) << of_wall;
+}
+
 }  // namespace
 }  // namespace salvo::tests

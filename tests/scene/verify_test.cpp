@@ -11,6 +11,7 @@
 #include <map>
 
 #include "scene/load.hpp"
+#include "soa/contact_fields.hpp"
 
 namespace salvo::tests {
 
@@ -238,6 +239,124 @@ TEST(Verify, ComparesResultsBesidesTheState) {
   EXPECT_FALSE(difference.id.has_value());
 }
 
+// ---- particles that touch -----------------------------------------------------------------------
+
+constexpr auto partner = static_cast<std::size_t>(soa::ContactField::partner);
+constexpr auto tangential = static_cast<std::size_t>(soa::ContactField::tangential_displacement);
+
+// Two layers of spheres, squeezed a little, that spin and fall on a floor: contacts of both kinds.
+scene::Scene touching_scene() {
+  return scene::parse(R"(
+[time]
+dt = 1e-5
+steps = 60
+[contact_law]
+kind = "linear_spring"
+normal_stiffness = 1e4
+restitution = 0.5
+friction = 0.4
+[[obstacle]]
+shape = "plane"
+restitution = 0.5
+friction = 0.4
+[[emitter]]
+kind = "lattice"
+position = [0, 0.019975, 0]
+size = [0.06, 0.04, 0.06]
+spacing = 0.01995
+velocity = [0.2, -0.1, 0]
+angular_velocity = [1, 20, -5]
+mass = 0.01
+radius = 0.01
+[frames]
+every = 20
+)",
+                      "touching.toml");
+}
+
+// Puts the world back with its contacts changed: what rests in a table is not what it steps.
+void change_contacts(World& world, const std::function<void(soa::Table&)>& change) {
+  soa::Table particles = world.particles().copy();
+  soa::Table contacts = world.contacts().copy();
+  change(contacts);
+  world.restore(world.step(), std::move(particles), world.tally(), world.removed(),
+                std::move(contacts));
+}
+
+struct Pair {
+  soa::Id id = 0;
+  soa::Id other = 0;
+};
+
+Pair pair_at(const World& world, std::size_t row) {
+  return {world.contacts().ids()[row], world.contacts().column<std::uint64_t>(partner)[row]};
+}
+
+TEST(Verify, FindsNoDifferenceInParticlesThatTouch) {
+  const scene::Scene scene = touching_scene();
+  EXPECT_TRUE(scene::verify(scene, {}).equal());
+  World world(scene.setup, {});
+  world.advance_to(20);
+  EXPECT_GT(world.contacts().rows(), 20U);
+}
+
+TEST(Verify, NamesThePairAndColumnOfADifferenceInWhatContactsRemember) {
+  constexpr std::int64_t step = 39;
+  const scene::Scene scene = touching_scene();
+  World straight(scene.setup, {});
+  straight.advance_to(step);
+  // The last contact of two particles, and the first of one with the floor.
+  const auto is_wall = [&](std::size_t row) {
+    return soa::stream_of(pair_at(straight, row).other) == soa::max_stream;
+  };
+  std::size_t wall = 0;
+  while (!is_wall(wall)) ++wall;
+  std::size_t last = straight.contacts().rows() - 1;
+  while (is_wall(last)) --last;
+  for (const std::size_t row : {wall, last}) {
+    for (const VerifyAxis axis : {VerifyAxis::threads, VerifyAxis::resume, VerifyAxis::lists}) {
+      // So much that it lasts until the next frame.
+      const auto stretch = [=](World& world) {
+        change_contacts(world, [=](soa::Table& contacts) {
+          contacts.column<float>(tangential, 2)[row] += 1e-6F;
+        });
+      };
+      const VerifyResult result = scene::verify(scene, planted(on(axis), step, stretch));
+      const Difference difference = differing_run(result).difference.value_or(Difference{});
+      EXPECT_EQ(difference.step, step) << name(axis);
+      EXPECT_TRUE(difference.exact()) << name(axis);
+      EXPECT_EQ(difference.column, "tangential_displacement.z") << name(axis);
+      EXPECT_EQ(difference.id, pair_at(straight, row).id) << name(axis);
+      EXPECT_EQ(difference.partner, pair_at(straight, row).other) << name(axis);
+      EXPECT_EQ(difference.rows, 1U) << name(axis);
+    }
+  }
+}
+
+TEST(Verify, NamesAContactThatOneRunForgot) {
+  constexpr std::int64_t step = 33;
+  const scene::Scene scene = touching_scene();
+  World straight(scene.setup, {});
+  straight.advance_to(step);
+  const auto forget = [](World& world) {
+    change_contacts(world, [](soa::Table& contacts) {
+      std::vector<std::uint8_t> keep(contacts.rows(), 1);
+      keep[2] = 0;
+      contacts.compact(keep);
+    });
+  };
+  const VerifyResult result = scene::verify(scene, planted(on(VerifyAxis::threads), step, forget));
+  const Difference difference = differing_run(result).difference.value_or(Difference{});
+  EXPECT_EQ(difference.step, step);
+  EXPECT_EQ(difference.column, "contact");
+  EXPECT_EQ(difference.id, pair_at(straight, 2).id);
+  EXPECT_EQ(difference.partner, pair_at(straight, 2).other);
+  EXPECT_EQ(difference.reference, "there");
+  EXPECT_EQ(difference.varied, "absent");
+}
+
+// ---- runs that stop -----------------------------------------------------------------------------
+
 // A domain that the fastest particles leave.
 constexpr const char* narrow = R"(
 [domain]
@@ -334,6 +453,35 @@ TEST(FirstDifference, TakesTheLowestIdThenTheFirstColumn) {
   EXPECT_EQ(difference->rows, 2U);
   EXPECT_EQ(value_text(b, 12, "position.x"), "0x1p+0");
   EXPECT_EQ(value_text(b, 13, "position.x"), "absent");
+}
+
+// Of one particle: contacts are told apart by their partners.
+TEST(FirstDifference, TellsContactsOfOneParticleApart) {
+  const auto three_contacts = [] {
+    soa::Table table(soa::contact_fields, soa::Precision::float64, {true, true, true, false});
+    table.append(3);
+    for (std::size_t row = 0; row < 3; ++row) {
+      table.ids()[row] = 7;
+      table.column<std::uint64_t>(partner)[row] = 10 + row;
+    }
+    return table;
+  };
+  soa::Table a = three_contacts();
+  soa::Table b = three_contacts();
+  EXPECT_FALSE(first_difference(a, b).has_value());
+  b.column<double>(tangential, 0)[2] = 1;
+  auto difference = first_difference(a, b).value_or(Difference{});
+  EXPECT_EQ(difference.id, 7U);
+  EXPECT_EQ(difference.partner, 12U);
+  EXPECT_EQ(difference.column, "tangential_displacement.x");
+  EXPECT_EQ(difference.rows, 1U);
+  const std::vector<std::uint8_t> keep{1, 0, 1};
+  a.compact(keep);
+  difference = first_difference(a, b).value_or(Difference{});
+  EXPECT_EQ(difference.partner, 11U);
+  EXPECT_EQ(difference.column, "contact");
+  EXPECT_EQ(difference.reference, "absent");
+  EXPECT_EQ(difference.rows, 2U);
 }
 
 }  // namespace
