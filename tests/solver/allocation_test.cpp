@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "tests/physics/spheres.hpp"
 #include "tests/solver/setups.hpp"
 
 namespace {
@@ -71,6 +72,47 @@ TEST(Allocation, ASteadyStepMakesNone) {
       const std::uint64_t before = allocations;
       world.advance_to(160);
       EXPECT_EQ(allocations - before, 0U) << scene.name << ", " << threads << " threads";
+    }
+  }
+}
+
+// Spheres that fly about in a box; some of them touch at any time, and lists last for some steps.
+solver::Setup flying_spheres(const ContactLaw& law, Precision precision) {
+  solver::Setup setup = touching_setup(law, precision);
+  setup.seed = 4;
+  setup.obstacles.push_back(hollow_box({0, 0, 0}, {0.088, 0.088, 0.088}, law));
+  setup.emitters.push_back(lattice({0, 0, 0}, {0.176, 0.176, 0.176}, 0.011, 0.005, 1e-3));
+  setup.emitters[0].speed = uniform(0.1, 0.5);
+  setup.dt = solver::contact_time(setup).step;
+  return setup;
+}
+
+// Lists take what room they need, and so does a contact where there were never so many. On one
+// thread: each other makes its room at the first task that it gets.
+TEST(Allocation, AStepOfParticlesThatTouchMakesNoneBetweenLists) {
+  ContactLaw rough = linear(1e4, 0.9, 0.5);
+  rough.rolling_friction = 0.1;
+  for (const ContactLaw& law : {linear(1e4, 0.9), rough, hertz(1e7, 0.9, 0.5), impulse(0.9, 0.5)}) {
+    for (const Precision precision : {Precision::float32, Precision::float64}) {
+      solver::Setup setup = flying_spheres(law, precision);
+      // Impulses are at once, and set no step.
+      if (law.kind == models::ContactLawKind::impulse) setup.dt = 1e-4;
+      World world(setup, {solver::widest_isa(), 1});
+      const std::int64_t settled = 1000;
+      world.advance_to(settled);
+      const auto lists = [&] { return world.contact_profile()->list_builds; };
+      int steps = 0;
+      for (std::int64_t step = settled + 1; step <= settled + 300; ++step) {
+        const std::uint64_t lists_before = lists();
+        const std::uint64_t before = allocations;
+        world.advance_to(step);
+        if (lists() != lists_before) continue;
+        ++steps;
+        ASSERT_EQ(allocations - before, 0U) << static_cast<int>(law.kind) << ", step " << step;
+      }
+      EXPECT_GT(steps, 200);
+      EXPECT_LT(steps, 300);
+      EXPECT_GT(world.diagnose().contacts->pair_contacts, 10U);
     }
   }
 }
