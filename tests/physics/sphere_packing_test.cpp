@@ -91,12 +91,26 @@ TEST(SpherePacking, FreeCoolingFollowsHaffsLaw) {
   double n = 0;
   constexpr int looks = 10;
   const double time = 0.3;
+  std::vector<double> slowed;  // sqrt(T0/T) - 1 = t/tau
   for (int look = 1; look <= looks; ++look) {
     world.advance_to(steps_of(start + time * look / looks, setup));
     n += density() / looks;
+    slowed.push_back(std::sqrt(first / temperature()) - 1);
   }
   const double last = temperature();
-  const double rate = (std::sqrt(first / last) - 1) / time;
+  const double rate = slowed.back() / time;
+  // The form of the law, whatever its rate. Where T decays as an exponential, so does sqrt(T) with
+  // half the rate, and half the time is far off the line.
+  constexpr double bend = 0.04;
+  double worst = 0;
+  for (int look = 2; look < looks; ++look) {
+    const double on_line = slowed.back() * look / looks;
+    worst = std::max(worst, std::abs(slowed[static_cast<std::size_t>(look) - 1] / on_line - 1));
+  }
+  RecordProperty("off_the_straight_line", std::to_string(worst));
+  EXPECT_LT(worst, bend);
+  const double exponential = std::sqrt(1 + slowed.back()) - 1;
+  EXPECT_GT(std::abs(exponential / (0.5 * slowed.back()) - 1), 3 * bend);
 
   const double f = n * std::numbers::pi / 6 * std::pow(diameter, 3);
   const double g = (1 - 0.5 * f) / std::pow(1 - f, 3);
@@ -106,7 +120,40 @@ TEST(SpherePacking, FreeCoolingFollowsHaffsLaw) {
   EXPECT_LT(last, 0.4 * first);
   EXPECT_NEAR(f, 0.105, 0.01);
   // Near the walls a sphere has fewer others to meet.
-  EXPECT_NEAR(rate / wanted, 1, 0.15);
+  EXPECT_NEAR(rate / wanted, 1, 0.1);
+}
+
+// ---- impacts one after the other ----------------------------------------------------------------
+
+// Balls of one mass hand on the speed of the first: between the last two it is all there, a hair
+// apart so that each impact ends before the next begins.
+TEST(SpherePacking, OneBallInOneBallOutOfNewtonsCradle) {
+  constexpr std::size_t balls = 5;
+  constexpr double radius = 0.01;
+  constexpr double mass = 0.0329;  // steel
+  constexpr double gap = 2e-5;
+  const ContactLaw steel = hertz(210e9, 1);
+  for (const Precision precision : {Precision::float32, Precision::float64}) {
+    solver::Setup setup = touching_setup(steel, precision);
+    for (std::size_t k = 0; k < balls; ++k) {
+      const double x = k == 0 ? -0.005 : static_cast<double>(k) * (2 * radius + gap);
+      add_sphere(setup, {x, 0, 0}, {k == 0 ? 1.0 : 0.0, 0, 0}, radius, mass);
+    }
+    setup.dt = solver::contact_time(setup).step;
+    World world(setup, {});
+    world.advance_to(steps_of(0.008, setup));
+    const double out = velocity(world, balls - 1)[0];
+    double slowest = 0;
+    for (std::size_t k = 0; k + 1 < balls; ++k) {
+      slowest = std::max(slowest, std::abs(velocity(world, k)[0]));
+    }
+    RecordProperty(precision == Precision::float32 ? "out_float" : "out", std::to_string(out));
+    RecordProperty(precision == Precision::float32 ? "left_float" : "left",
+                   std::to_string(slowest));
+    EXPECT_NEAR(out, 1, 0.001);
+    EXPECT_LT(slowest, 0.001);
+    EXPECT_NEAR(totals(world).kinetic, 0.5 * mass, 1e-3 * mass);
+  }
 }
 
 // ---- at rest under gravity ----------------------------------------------------------------------
@@ -145,8 +192,8 @@ TEST(SpherePacking, FrictionlessSpheresSettleToTheRandomClosePacking) {
   const double fraction = filled / ((highest - lowest) * 4 * across * across);
   const double weight = static_cast<double>(count) * 5e-4 * 9.81;
   RecordProperty("packing_fraction", std::to_string(fraction));
-  EXPECT_GT(fraction, 0.60);
-  EXPECT_LT(fraction, 0.66);
+  EXPECT_GT(fraction, 0.62);
+  EXPECT_LT(fraction, 0.65);
   EXPECT_NEAR(on_ground, weight, 0.01 * weight);
   EXPECT_LT(totals(world).kinetic, 1e-4 * static_cast<double>(count) * 5e-4 * 9.81 * 0.1);
 }
@@ -205,14 +252,16 @@ double angle_of_repose(double friction, double rolling_friction, double time) {
   return std::atan(-sum_xy / sum_xx) * 180 / std::numbers::pi;
 }
 
-// Heaps of spheres stand at 20 to 40 degrees, and steeper the more the spheres resist to slide and
-// to roll.   [Zhou, Xu, Yu & Zulli, Phys. Rev. E 64, 021301 (2001); Powder Technol. 125, 45 (2002)]
+// Heaps of spheres stand at 20 to 40 degrees, ours in between, and steeper the more the spheres
+// resist to slide and to roll.   [Zhou, Xu, Yu & Zulli, Phys. Rev. E 64, 021301 (2001); Powder
+// Technol. 125, 45 (2002)]
 TEST(SpherePacking, AngleOfReposeGrowsWithFriction) {
   const double rough = angle_of_repose(0.5, 0.2, 1.6);
   const double smooth = angle_of_repose(0.15, 0.01, 0.8);
   RecordProperty("angle_of_repose", std::to_string(rough));
-  EXPECT_GT(rough, 20);
-  EXPECT_LT(rough, 40);
+  RecordProperty("angle_of_repose_smooth", std::to_string(smooth));
+  EXPECT_GT(rough, 23);
+  EXPECT_LT(rough, 33);
   EXPECT_LT(smooth, rough - 5);
 }
 
