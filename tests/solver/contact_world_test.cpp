@@ -269,7 +269,7 @@ soa::Table shuffled(const soa::Table& table) {
 TEST(ContactWorld, DoesNotDependOnTheOrderOfTheRowsThatItStartsFrom) {
   for (const NamedContacts& packing : packings()) {
     World whole(packing.setup, {});
-    for (const std::int64_t start : {0, 59, 133}) {
+    for (const std::int64_t start : {0, 133}) {
       whole.advance_to(start);
       World straight(packing.setup, {});
       straight.advance_to(start + 40);
@@ -296,10 +296,9 @@ TEST(ContactWorld, DoesNotDependOnTheOrderOfTheEmitters) {
     solver::Setup setup = packing.setup;
     for (std::size_t turn = 1; turn < setup.emitters.size(); ++turn) {
       std::rotate(setup.emitters.begin(), setup.emitters.begin() + 1, setup.emitters.end());
-      for (const int threads : {1, 3}) {
-        EXPECT_EQ(hashes(setup, execution(solver::widest_isa(), threads)), wanted)
-            << packing.name << ", " << setup.emitters[0].stream << " first";
-      }
+      const Execution way = execution(solver::widest_isa(), turn == 1 ? 1 : 3);
+      EXPECT_EQ(hashes(setup, way), wanted)
+          << packing.name << ", " << setup.emitters[0].stream << " first";
     }
   }
 }
