@@ -56,6 +56,6 @@ struct Scene : SceneText {
 solver::Digest scene_digest(const SceneText& scene);
 
 /// Version of the bits: changes when any scene's bits change on purpose.
-inline constexpr int contract_version = 2;
+inline constexpr int contract_version = 3;
 
 }  // namespace salvo::scene

@@ -225,7 +225,7 @@ const Section<ContactLaw>& contact_law_section() {
                      "of a head-on impact of two particles; an obstacle has its own",
                      between(0, 1)),
               of.key("tangential_damping", "", &ContactLaw::tangential_damping,
-                     "over the normal damping", between(0, 10))
+                     "over the normal damping", between(0, 1))
                   .only(linear | hertz),
               of.key("friction", "", &ContactLaw::friction,
                      "Coulomb coefficient between particles; with it they turn", not_negative),
