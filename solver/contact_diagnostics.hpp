@@ -17,7 +17,6 @@ struct ContactDiagnostics {
   double mean_relative_overlap = 0;     // likewise
   double rotational_energy = 0;         // J
   double elastic_energy = 0;            // J, of the normal springs, less what cohesion gave
-  double tangential_spring_energy = 0;  // J, of the springs of friction and rolling friction
   double damping_loss = 0;              // J, of the particles that there are, since the start
   double friction_loss = 0;             // J, likewise
 };

@@ -529,7 +529,7 @@ Diagnostics World::diagnose() const {
   Diagnostics diagnostics = solver::diagnose(particles(), setup_.forces, *parallel_);
   if (setup_.contact_law) {
     diagnostics.contacts =
-        diagnose_contacts(setup_, time(), particles(), contacts(), execution_.isa, *parallel_);
+        diagnose_contacts(setup_, time(), particles(), execution_.isa, *parallel_);
   }
   return diagnostics;
 }

@@ -498,7 +498,7 @@ class Contacts(Case):
         self.assertGreater(last["wall_contacts"], 10)
         self.assertLess(last["kinetic_energy"], 1e-3 * first["potential_energy"])
         energy = [sum(frame[key] for key in ("kinetic_energy", "potential_energy", "rotational_energy", "elastic_energy",
-                                             "tangential_spring_energy", "damping_loss", "friction_loss"))
+                                             "damping_loss", "friction_loss"))
                   for frame in (first, last)]
         self.assertLess(abs(energy[1] - energy[0]), 0.02 * (first["potential_energy"] - last["potential_energy"]))
         contacts = document["profile"]["contacts"]
