@@ -1,6 +1,7 @@
 // What a frame reports of particles that touch.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace salvo::solver {
@@ -19,6 +20,8 @@ struct ContactDiagnostics {
   double elastic_energy = 0;            // J, of the normal springs, less what cohesion gave
   double damping_loss = 0;              // J, of the particles that there are, since the start
   double friction_loss = 0;             // J, likewise
+  std::array<double, 3> momentum_error{};  // N s, of all contact_impulse together; NaN, too, once
+                                           // a particle is gone and its impulses with it
 };
 
 }  // namespace salvo::solver

@@ -299,12 +299,20 @@ class Step {
     load_motion(pass_.from.motion + row, consecutive, own);
     Sum<V> sum = sum_of(row);
     if constexpr (Law::impulsive && !Counting) own_approaches_ = V::load(pass_.approaches + row);
+    if (!Counting && budget_) keep_impulse(sum.force * dt_, row);
     if (!pass_.walls.empty()) meet_walls(own, row / group_rows, row % group_rows, sum);
     if constexpr (Counting) {
       sum.approaches.store(pass_.approaches + row);
     } else {
       move(own, row, sum);
     }
+  }
+
+  void keep_impulse(Vec3<V> impulse, std::size_t row) {
+    T* const* sums = pass_.contact_impulse;
+    (V::load(sums[0] + row) + impulse.x).store(sums[0] + row);
+    (V::load(sums[1] + row) + impulse.y).store(sums[1] + row);
+    (V::load(sums[2] + row) + impulse.z).store(sums[2] + row);
   }
 
   // First who may touch, by their places alone and for many slots in one go without a branch; then

@@ -365,13 +365,16 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
       return 0.2 * mass[row] * radius * radius * spin.squared(row);
     });
   }
-  const auto loss = [&](ParticleField field) {
+  const auto kept = [&](ParticleField field, std::size_t component = 0) {
     if (!law.energy_budget) return std::numeric_limits<double>::quiet_NaN();
-    const Values losses(particles, index(field));
-    return sum_of([&](std::size_t row) { return losses[row]; });
+    const Values values(particles, index(field), component);
+    return sum_of([&](std::size_t row) { return values[row]; });
   };
-  d.damping_loss = loss(ParticleField::damping_loss);
-  d.friction_loss = loss(ParticleField::friction_loss);
+  d.damping_loss = kept(ParticleField::damping_loss);
+  d.friction_loss = kept(ParticleField::friction_loss);
+  for (std::size_t c = 0; c < 3; ++c) {
+    d.momentum_error[c] = kept(ParticleField::contact_impulse, c);
+  }
   return d;
 }
 

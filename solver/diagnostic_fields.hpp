@@ -34,6 +34,7 @@ void for_each_field(D& diagnostics, const Visit& visit) {
   visit("elastic_energy", "J", contacts.elastic_energy);
   visit("damping_loss", "J", contacts.damping_loss);
   visit("friction_loss", "J", contacts.friction_loss);
+  visit("momentum_error", "N s", contacts.momentum_error);
 }
 
 }  // namespace salvo::solver
