@@ -48,10 +48,10 @@ inline constexpr std::array<Field, 14> particle_fields{{
      -unbounded, unbounded},
     {"residual", Scalar::real, 3, "m", "what rounding left out of the position", 0, -unbounded,
      unbounded},
-    {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, 0,
+    {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, -unbounded,
      unbounded},
-    {"friction_loss", Scalar::real, 1, "J", "work done against friction in its contacts", 0, 0,
-     unbounded},
+    {"friction_loss", Scalar::real, 1, "J", "work done against friction in its contacts", 0,
+     -unbounded, unbounded},
     {"contact_impulse", Scalar::real, 3, "N s", "what its contacts with other particles gave it", 0,
      -unbounded, unbounded},
 }};

@@ -313,24 +313,24 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
     {
       const Search search(particles, walls, isa, parallel);
       std::vector<Extremes> extremes(search.tasks());
-      search.for_each_row(
-          [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
-            Extremes& most = extremes[task];
-            for (const Overlap& overlap : overlaps) {
-              // The lower id speaks for a pair; rows are in the order of the ids.
-              if (!overlap.wall && overlap.partner < row) continue;
-              const double own = places.radius(row);
-              const double other = overlap.wall ? own : places.radius(overlap.partner);
-              const double share = overlap.depth / std::min(own, other);
-              ++(overlap.wall ? most.walls : most.pairs);
-              most.overlap = std::max(most.overlap, overlap.depth);
-              most.relative = std::max(most.relative, share);
-              sums[row] += overlap.depth;
-              relative[row] += share;
-              elastic[row] +=
-                  elastic_energy(law, overlap.depth, overlap.wall ? own : effective_radius(own, other));
-            }
-          });
+      search.for_each_row([&](std::size_t task, std::size_t row,
+                              std::span<const Overlap> overlaps) {
+        Extremes& most = extremes[task];
+        for (const Overlap& overlap : overlaps) {
+          // The lower id speaks for a pair; rows are in the order of the ids.
+          if (!overlap.wall && overlap.partner < row) continue;
+          const double own = places.radius(row);
+          const double other = overlap.wall ? own : places.radius(overlap.partner);
+          const double share = overlap.depth / std::min(own, other);
+          ++(overlap.wall ? most.walls : most.pairs);
+          most.overlap = std::max(most.overlap, overlap.depth);
+          most.relative = std::max(most.relative, share);
+          sums[row] += overlap.depth;
+          relative[row] += share;
+          elastic[row] +=
+              elastic_energy(law, overlap.depth, overlap.wall ? own : effective_radius(own, other));
+        }
+      });
       for (const Extremes& most : extremes) {
         all.pairs += most.pairs;
         all.walls += most.walls;
