@@ -54,8 +54,7 @@ std::string diagnostics_tables(const std::vector<FrameLine>& frames) {
     touching.add({frame, grouped(c.pair_contacts), grouped(c.wall_contacts),
                   fmt::format("{:.3g}", c.mean_coordination), percent(c.max_relative_overlap),
                   percent(c.mean_relative_overlap), number(c.rotational_energy),
-                  number(c.elastic_energy + c.tangential_spring_energy), heat(c.damping_loss),
-                  heat(c.friction_loss)});
+                  number(c.elastic_energy), heat(c.damping_loss), heat(c.friction_loss)});
   }
   std::string text = energies.text() + "\n" + extents.text();
   if (frames.front().state.diagnostics.contacts) text += "\n" + touching.text();

@@ -113,8 +113,8 @@ struct SlipSpring {
     force = trial * kept;
     after = select(slips, (force - drag) * springs.compliance, stretched);
   }
-  /// Work done against the force in the step, J. What the spring holds is given back, or lost when
-  /// the contact ends.
+  /// Work done against the force in the step at a velocity, J, what the spring takes up included:
+  /// that is given back, or lost when the contact ends.
   V work(Vec3<V> velocity, V dt) const { return dot(force, velocity) * dt; }
 };
 

@@ -242,7 +242,7 @@ const Section<ContactLaw>& contact_law_section() {
                      "part of an overlap that a step takes back", between(0, 1))
                   .only(kinds(ContactLawKind::impulse)),
               of.key("energy_budget", "", &ContactLaw::energy_budget,
-                     "keep the heat that each particle's contacts make"),
+                     "keep the heat that each particle's contacts make, and what they gave it"),
               of.key("relax", "", &ContactLaw::relax,
                      "move particles apart that overlap others or obstacles by more than 1 % of "
                      "the smaller radius when they are emitted; without it that is an error"),

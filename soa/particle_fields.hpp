@@ -24,6 +24,7 @@ enum class ParticleField : std::size_t {
   residual,
   damping_loss,
   friction_loss,
+  contact_impulse,
 };
 
 /// A death step that never comes.
@@ -31,7 +32,7 @@ inline constexpr std::int32_t never = std::numeric_limits<std::int32_t>::max();
 
 inline constexpr double unbounded = std::numeric_limits<double>::max();
 
-inline constexpr std::array<Field, 13> particle_fields{{
+inline constexpr std::array<Field, 14> particle_fields{{
     {"id", Scalar::uint64, 1, "", "stream (high 24 bits) and serial within it (low 40 bits)", 0, 0,
      unbounded},
     {"position", Scalar::real, 3, "m", "centre of the particle", 0, -unbounded, unbounded},
@@ -47,15 +48,22 @@ inline constexpr std::array<Field, 13> particle_fields{{
      -unbounded, unbounded},
     {"residual", Scalar::real, 3, "m", "what rounding left out of the position", 0, -unbounded,
      unbounded},
-    {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, 0,
+    {"damping_loss", Scalar::real, 1, "J", "heat from the dashpots of its contacts", 0, -unbounded,
      unbounded},
-    {"friction_loss", Scalar::real, 1, "J", "work done against friction in its contacts", 0, 0,
-     unbounded},
+    {"friction_loss", Scalar::real, 1, "J", "work done against friction in its contacts", 0,
+     -unbounded, unbounded},
+    {"contact_impulse", Scalar::real, 3, "N s", "what its contacts with other particles gave it", 0,
+     -unbounded, unbounded},
 }};
 
 /// Fields that only particles that touch have; files of other scenes do not mention them.
 constexpr bool only_of_contacts(std::size_t field) {
   return field >= static_cast<std::size_t>(ParticleField::angular_velocity);
+}
+
+/// Fields in which the contacts of a particle keep their budget, summed over the run.
+constexpr bool only_of_budgets(std::size_t field) {
+  return field >= static_cast<std::size_t>(ParticleField::damping_loss);
 }
 
 constexpr const Field& field(ParticleField which) {

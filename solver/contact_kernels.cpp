@@ -122,6 +122,9 @@ class SlotMemory {
   T* rolling_;
 };
 
+// The forces that lose energy and what they lose, four numbers each.
+constexpr std::size_t loss_numbers = 8;
+
 // What may touch some rows, to be met a pack at a time: slot after slot, so that the partners of a
 // row ascend.
 template <class T, std::size_t HistoryColumns, std::size_t Results>
@@ -136,6 +139,7 @@ struct ContactBatch {
   std::uint32_t touching[rows];  // of the pack that begins at a row, as bits
   alignas(64) T history[HistoryColumns][rows];
   alignas(64) T result[rows * Results];
+  alignas(64) T loss[rows * loss_numbers];
 
   // Packs are whole: what fills up the last one repeats the last contact, and nobody reads what
   // comes of it.
@@ -175,13 +179,16 @@ class BatchMemory {
   std::size_t first_;
 };
 
-// What acts on a sphere, and what its contacts lose.
+// What acts on a sphere. Of that the forces of dashpots and of friction, and the work against them
+// with the velocities before the step; only where there is a budget.
 template <class V>
 struct Sum {
   Vec3<V> force{V(0), V(0), V(0)};
   Vec3<V> torque{V(0), V(0), V(0)};
+  Vec3<V> damping{V(0), V(0), V(0)};
   V damping_loss{0};
-  V slip_loss{0};
+  Vec3<V> friction{V(0), V(0), V(0)};
+  V friction_loss{0};
   Vec3<V> shift{V(0), V(0), V(0)};  // of the position, besides the motion; impulse law
   V approaches{0};
 };
@@ -277,7 +284,7 @@ class Step {
   using SphereV = Sphere<V>;
   static constexpr bool remembers = Friction && !Law::impulsive;
   static constexpr std::size_t history_columns = !remembers ? 0 : Rolling ? 6 : 3;
-  // Four numbers each: the force, the torque, the shift, with the losses in between.
+  // Four numbers each: the force, the torque, the shift.
   static constexpr std::size_t results = Counting ? 4 : Law::impulsive ? 12 : Friction ? 8 : 4;
   static constexpr std::size_t chunk_groups = 32;
   using Batch = ContactBatch<T, history_columns == 0 ? 1 : history_columns, results>;
@@ -285,6 +292,7 @@ class Step {
   void advance_chunk(std::size_t first, std::size_t last) {
     first_row_ = first * group_rows;
     std::fill_n(sums_, (last - first) * group_rows * results, T(0));
+    if (budget_) std::fill_n(losses_, (last - first) * group_rows * loss_numbers, T(0));
     for (std::size_t group = first; group < last; ++group) {
       prefetch(pass_.from.place, pass_, group + prefetch_groups);
       find_contacts(group);
@@ -299,12 +307,20 @@ class Step {
     load_motion(pass_.from.motion + row, consecutive, own);
     Sum<V> sum = sum_of(row);
     if constexpr (Law::impulsive && !Counting) own_approaches_ = V::load(pass_.approaches + row);
+    if (!Counting && budget_) keep_impulse(sum.force * dt_, row);
     if (!pass_.walls.empty()) meet_walls(own, row / group_rows, row % group_rows, sum);
     if constexpr (Counting) {
       sum.approaches.store(pass_.approaches + row);
     } else {
       move(own, row, sum);
     }
+  }
+
+  void keep_impulse(Vec3<V> impulse, std::size_t row) {
+    T* const* sums = pass_.contact_impulse;
+    (V::load(sums[0] + row) + impulse.x).store(sums[0] + row);
+    (V::load(sums[1] + row) + impulse.y).store(sums[1] + row);
+    (V::load(sums[2] + row) + impulse.z).store(sums[2] + row);
   }
 
   // First who may touch, by their places alone and for many slots in one go without a branch; then
@@ -355,15 +371,21 @@ class Step {
     if (batch_.count == 0) return;
     batch_.fill_up();
     for (std::size_t n = 0; n < batch_.count; n += V::width) meet_contacts(n);
-    for (std::size_t n = 0; n < batch_.count; ++n) {
-      T* sum = sums_ + (static_cast<std::size_t>(batch_.own[n]) - first_row_) * results;
-      const T* result = batch_.result + n * results;
-      T total[results];  // so that the compiler sees that nothing overlaps
-      for (std::size_t k = 0; k < results; ++k) total[k] = sum[k] + result[k];
-      for (std::size_t k = 0; k < results; ++k) sum[k] = total[k];
-    }
+    add_up<results>(batch_.result, sums_);
+    if (budget_) add_up<loss_numbers>(batch_.loss, losses_);
     if constexpr (remembers) keep_history();
     batch_.count = 0;
+  }
+
+  template <std::size_t Numbers>
+  void add_up(const T* results_of_contacts, T* sums) const {
+    for (std::size_t n = 0; n < batch_.count; ++n) {
+      T* sum = sums + (static_cast<std::size_t>(batch_.own[n]) - first_row_) * Numbers;
+      const T* result = results_of_contacts + n * Numbers;
+      T total[Numbers];  // so that the compiler sees that nothing overlaps
+      for (std::size_t k = 0; k < Numbers; ++k) total[k] = sum[k] + result[k];
+      for (std::size_t k = 0; k < Numbers; ++k) sum[k] = total[k];
+    }
   }
 
   void keep_history() {
@@ -382,36 +404,45 @@ class Step {
 
   void keep(const Sum<V>& sum, std::size_t n) {
     T* to = batch_.result + n * results;
-    const auto quad = [&](Vec3<V> x, V fourth) {
-      kernels::store_quad<results>(Quad<V>{x.x, x.y, x.z, fourth}, to);
-      to += 4;
-    };
+    const V none(0);
     if constexpr (Counting) {
-      quad({V(0), V(0), V(0)}, sum.approaches);
+      put<results>({none, none, none}, sum.approaches, to);
     } else {
-      quad(sum.force, sum.damping_loss);
-      if constexpr (results > 4) quad(sum.torque, sum.slip_loss);
-      if constexpr (results > 8) quad(sum.shift, V(0));
+      put<results>(sum.force, none, to);
+      if constexpr (results > 4) put<results>(sum.torque, none, to + 4);
+      if constexpr (results > 8) put<results>(sum.shift, none, to + 8);
+      if (!budget_) return;
+      T* loss = batch_.loss + n * loss_numbers;
+      put<loss_numbers>(sum.damping, sum.damping_loss, loss);
+      put<loss_numbers>(sum.friction, sum.friction_loss, loss + 4);
     }
   }
   Sum<V> sum_of(std::size_t row) const {
     const T* from = sums_ + (row - first_row_) * results;
-    const auto quad = [&](Vec3<V>& x, V& fourth) {
-      const auto q = kernels::load_quad<results>(from, consecutive, static_cast<const V*>(nullptr));
-      x = {q[0], q[1], q[2]};
-      fourth = q[3];
-      from += 4;
-    };
     Sum<V> sum;
     V none(0);
     if constexpr (Counting) {
-      quad(sum.force, sum.approaches);
+      take<results>(from, sum.force, sum.approaches);
     } else {
-      quad(sum.force, sum.damping_loss);
-      if constexpr (results > 4) quad(sum.torque, sum.slip_loss);
-      if constexpr (results > 8) quad(sum.shift, none);
+      take<results>(from, sum.force, none);
+      if constexpr (results > 4) take<results>(from + 4, sum.torque, none);
+      if constexpr (results > 8) take<results>(from + 8, sum.shift, none);
+      if (!budget_) return sum;
+      const T* loss = losses_ + (row - first_row_) * loss_numbers;
+      take<loss_numbers>(loss, sum.damping, sum.damping_loss);
+      take<loss_numbers>(loss + 4, sum.friction, sum.friction_loss);
     }
     return sum;
+  }
+  template <std::size_t Numbers>
+  static void put(Vec3<V> x, V fourth, T* to) {
+    kernels::store_quad<Numbers>(Quad<V>{x.x, x.y, x.z, fourth}, to);
+  }
+  template <std::size_t Numbers>
+  static void take(const T* from, Vec3<V>& x, V& fourth) {
+    const auto q = kernels::load_quad<Numbers>(from, consecutive, static_cast<const V*>(nullptr));
+    x = {q[0], q[1], q[2]};
+    fourth = q[3];
   }
 
   // A pack of contacts.
@@ -577,32 +608,43 @@ class Step {
     const auto normal = kernels::normal_force(springs, apart, pull);
     Vec3<V> force = contact.normal * normal.along;
     Vec3<V> torque = nothing;
-    V slip_loss(0);
+    Vec3<V> friction = nothing;
+    V friction_loss(0);
     if (Friction) {
       const Vec3<V> slip = contact.velocity - contact.normal * apart;
       const bool touched = memory.touched();
       const Spring sliding(touched ? memory.tangential() : nothing, contact.normal, slip, springs,
                            surfaces.friction * normal.pressing, dt_);
       memory.set_tangential(select(touching, sliding.after, nothing));
-      force -= sliding.force;
+      friction = -sliding.force;
+      force += friction;
       torque = cross(contact.normal, sliding.force) * contact.lever;
-      if (budget_) slip_loss = sliding.work(slip, dt_);
+      if (budget_) friction_loss = sliding.work(slip, dt_);
       if (Rolling) {
         const Spring rolling(touched ? memory.rolling() : nothing, contact.normal, contact.rolling,
                              springs, surfaces.rolling_friction * normal.pressing, dt_);
         memory.set_rolling(select(touching, rolling.after, nothing));
         torque -= cross(contact.normal, rolling.force) * pair.radius;
-        if (budget_) slip_loss = slip_loss + rolling.work(contact.rolling, dt_);
+        if (budget_) friction_loss = friction_loss + rolling.work(contact.rolling, dt_);
       }
     }
     memory.set_touching(bits(touching));
     sum.force += select(touching, force, nothing);
     if (Friction) sum.torque += select(touching, torque, nothing);
     if (budget_) {
-      const V heat = (springs.elastic - normal.pressing) * apart * dt_;
-      sum.damping_loss = sum.damping_loss + select(touching, heat * share, V(0));
-      sum.slip_loss = sum.slip_loss + select(touching, slip_loss * share, V(0));
+      const V damping = normal.pressing - springs.elastic;
+      lose(touching, contact.normal * damping, -(damping * apart * dt_) * share, friction,
+           friction_loss * share, sum);
     }
+  }
+
+  static void lose(Mask where, Vec3<V> damping, V damping_loss, Vec3<V> friction, V friction_loss,
+                   Sum<V>& sum) {
+    const Vec3<V> nothing{V(0), V(0), V(0)};
+    sum.damping += select(where, damping, nothing);
+    sum.damping_loss = sum.damping_loss + select(where, damping_loss, V(0));
+    sum.friction += select(where, friction, nothing);
+    sum.friction_loss = sum.friction_loss + select(where, friction_loss, V(0));
   }
 
   // The impulse law. Each impulse alone takes kinetic energy, and of those of a row and of its
@@ -634,10 +676,10 @@ class Step {
       sum.shift += select(touching, contact.normal * back, nothing);
       memory.set_touching(bits(touching));
       if (budget_) {
-        // To first order in the impulse: what it takes, less what it gives.
-        const V heat =
-            -dot(impulse, contact.velocity) - V(0.5) * norm_squared(impulse) / (pair.mass * weight);
-        sum.damping_loss = sum.damping_loss + select(strikes, heat * share, V(0));
+        const V along = dot(impulse, contact.normal);
+        const Vec3<V> across = impulse - contact.normal * along;
+        lose(strikes, contact.normal * (along / dt_), -(along * apart) * share,
+             across * (V(1) / dt_), -dot(across, slip) * share, sum);
       }
     }
   }
@@ -698,11 +740,16 @@ class Step {
       next.radius = select(V::load(dies) > V(0), V(no_radius), next.radius);
     }
     if (budget_) {
-      const auto add_loss = [&](T* column, V loss) {
-        (V::load(column + row) + select(alive, loss, V(0))).store(column + row);
+      // The work against a force is that at the mean of the velocities before and after the step:
+      // just what kinetic energy it takes, whatever else acts. Half their change is missing yet.
+      const V half = V(0.5) * dt_;
+      const Vec3<V> gain = next.velocity - own.velocity;
+      const auto add_loss = [&](T* column, V loss, V late) {
+        (V::load(column + row) + select(alive, loss - late * half, V(0))).store(column + row);
       };
-      add_loss(pass_.damping_loss, sum.damping_loss);
-      add_loss(pass_.friction_loss, sum.slip_loss);
+      add_loss(pass_.damping_loss, sum.damping_loss, dot(sum.damping, gain));
+      add_loss(pass_.friction_loss, sum.friction_loss,
+               dot(sum.friction, gain) + dot(sum.torque, next.spin - own.spin));
     }
     watch(next, alive);
     next.position = select(alive, next.position, own.position);
@@ -753,6 +800,7 @@ class Step {
   std::size_t remembered_ = 0;  // contacts of the last step that were passed
   std::size_t first_row_ = 0;   // of the chunk
   alignas(64) T sums_[chunk_groups * group_rows * results];
+  alignas(64) T losses_[chunk_groups * group_rows * loss_numbers];
 };
 
 template <class V>

@@ -106,8 +106,9 @@ struct ContactPass {
 
   const T* drag_area = nullptr;
   const std::int32_t* death = nullptr;
-  T* damping_loss = nullptr;  // J, summed over the run
+  T* damping_loss = nullptr;  // J, summed over the run; null, as those below: no budget
   T* friction_loss = nullptr;
+  T* contact_impulse[3] = {nullptr, nullptr, nullptr};  // N s, of other particles
   T* approaches = nullptr;  // contacts of each row whose partners come nearer: the impulse law's
   T uniform_drag_area = 0;
   bool equal = false;  // all particles have the mass and radius below

@@ -1,6 +1,7 @@
 #include "solver/contact_solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -28,6 +29,17 @@ template <class Field>
 constexpr std::size_t index(Field field) {
   return static_cast<std::size_t>(field);
 }
+
+// The columns of the budget.
+struct BudgetColumn {
+  ParticleField field;
+  std::size_t component;
+};
+constexpr std::array<BudgetColumn, 5> budget_columns{{{ParticleField::damping_loss, 0},
+                                                      {ParticleField::friction_loss, 0},
+                                                      {ParticleField::contact_impulse, 0},
+                                                      {ParticleField::contact_impulse, 1},
+                                                      {ParticleField::contact_impulse, 2}}};
 
 // Two come nearer by twice what each goes. A path is a sum of rounded lengths: in as many steps as
 // a list is used it is short by less than a thousandth.
@@ -124,8 +136,7 @@ class Solver final : public ContactSolver {
   soa::Array<std::uint32_t> rank_;  // place by id of each row
   soa::Array<T> drag_area_;
   soa::Array<std::int32_t> death_;
-  soa::Array<T> damping_loss_;
-  soa::Array<T> friction_loss_;
+  std::array<soa::Array<T>, budget_columns.size()> budget_;
   soa::Array<T> approaches_;
   soa::Array<T> moved_;  // room to put a column in order
   soa::Array<std::int32_t> moved_steps_;
@@ -175,8 +186,6 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
   const T* radius = column(ParticleField::radius);
   const T* drag_area = column(ParticleField::drag_area);
   const auto* death = particles.column<std::int32_t>(index(ParticleField::death));
-  const T* damping_loss = column(ParticleField::damping_loss);
-  const T* friction_loss = column(ParticleField::friction_loss);
   has_drag_area_ = drag_area != nullptr;
   has_death_ = death != nullptr;
   uniform_drag_area_ = uniform(ParticleField::drag_area);
@@ -187,8 +196,11 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
   rank_.resize(rows_);
   if (has_drag_area_) drag_area_.resize(rows_);
   if (has_death_) death_.resize(rows_);
-  if (damping_loss) damping_loss_.resize(rows_);
-  if (friction_loss) friction_loss_.resize(rows_);
+  std::array<const T*, budget_columns.size()> budget{};
+  for (std::size_t i = 0; i < budget.size() && law().energy_budget; ++i) {
+    budget[i] = column(budget_columns[i].field, budget_columns[i].component);
+    budget_[i].resize(rows_);
+  }
   for_rows([&](std::size_t first, std::size_t last) {
     for (std::size_t row = first; row < last; ++row) {
       rank_[row] = static_cast<std::uint32_t>(row);
@@ -199,8 +211,9 @@ void Solver<T>::load(const soa::Table& particles, const soa::Table& contacts) {
       motion = at_rest();
       if (has_drag_area_) drag_area_[row] = real ? drag_area[row] : T(0);
       if (has_death_) death_[row] = real ? death[row] : soa::never;
-      if (damping_loss) damping_loss_[row] = real ? damping_loss[row] : T(0);
-      if (friction_loss) friction_loss_[row] = real ? friction_loss[row] : T(0);
+      for (std::size_t i = 0; i < budget.size(); ++i) {
+        if (budget[i]) budget_[i][row] = real ? budget[i][row] : T(0);
+      }
       if (!real) continue;
       const auto fill = [&](ParticleField field, T* to) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -267,8 +280,9 @@ std::span<const BadRow> Solver<T>::advance(std::int64_t step, bool watch_deaths,
   whole.uniform_radius = uniform_radius_;
   whole.death = watch_deaths && has_death_ ? death_.data() : nullptr;
   if (law().energy_budget) {
-    whole.damping_loss = damping_loss_.data();
-    whole.friction_loss = friction_loss_.data();
+    whole.damping_loss = budget_[0].data();
+    whole.friction_loss = budget_[1].data();
+    for (std::size_t c = 0; c < 3; ++c) whole.contact_impulse[c] = budget_[2 + c].data();
   }
   whole.step = static_cast<std::int32_t>(step);
   whole.dt = static_cast<T>(setup_.dt);
@@ -470,8 +484,7 @@ void Solver<T>::move_rows() {
   if (has_drag_area_) move(drag_area_, moved_);
   if (has_death_) move(death_, moved_steps_);
   if (law().energy_budget) {
-    move(damping_loss_, moved_);
-    move(friction_loss_, moved_);
+    for (auto& sums : budget_) move(sums, moved_);
   }
   memory_.move_rows(lists_.source());
 }
@@ -495,8 +508,10 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);
   };
-  T* damping_loss = column(ParticleField::damping_loss);
-  T* friction_loss = column(ParticleField::friction_loss);
+  std::array<T*, budget_columns.size()> budget{};
+  for (std::size_t i = 0; i < budget.size(); ++i) {
+    budget[i] = column(budget_columns[i].field, budget_columns[i].component);
+  }
   auto* death = particles.column<std::int32_t>(index(ParticleField::death));
   std::vector<std::uint32_t> row_of(particles_);
   for_rows([&](std::size_t first, std::size_t last) {
@@ -515,8 +530,9 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
       write(ParticleField::residual, motion.residual);
       write(ParticleField::velocity, motion.velocity);
       write(ParticleField::angular_velocity, motion.spin);
-      if (damping_loss) damping_loss[rank] = damping_loss_[row];
-      if (friction_loss) friction_loss[rank] = friction_loss_[row];
+      for (std::size_t i = 0; i < budget.size(); ++i) {
+        if (budget[i]) budget[i][rank] = budget_[i][row];
+      }
       if (death) death[rank] = death_[row];
     }
   });
@@ -567,9 +583,11 @@ std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles) 
   constexpr std::uint64_t searched =
       4 * sizeof(double) + 2 * (sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
   row += std::max(searched, typical_slots * sizeof(std::int32_t));
-  for (const ParticleField field : {ParticleField::drag_area, ParticleField::death,
-                                    ParticleField::damping_loss, ParticleField::friction_loss}) {
-    if (stored[index(field)]) row += size_of(soa::field(field).scalar, setup.precision);
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    const bool copied = f == index(ParticleField::drag_area) || f == index(ParticleField::death) ||
+                        soa::only_of_budgets(f);
+    const soa::Field& field = soa::particle_fields[f];
+    if (stored[f] && copied) row += field.components * size_of(field.scalar, setup.precision);
   }
   const std::uint64_t memory = memory_bytes(setup);
   // In the lists, and while they are built also apart from them.

@@ -23,7 +23,6 @@ namespace salvo::solver {
 
 namespace {
 
-using soa::ContactField;
 using soa::ParticleField;
 using S = kernels::ScalarLane<double>;
 using Vec = kernels::Vec3<S>;
@@ -263,39 +262,23 @@ class Search {
   CellGrid grid_;
 };
 
-// The springs of a law in double precision.
-class Springs {
- public:
-  explicit Springs(const models::ContactLaw& law) : law_(law) {}
-
-  /// Of the normal spring and the pull, J.
-  double energy(double overlap, double radius) const {
-    double stored = 0;
-    switch (law_.kind) {
-      case models::ContactLawKind::linear_spring:
-        stored = 0.5 * law_.normal_stiffness * overlap * overlap;
-        break;
-      case models::ContactLawKind::hertz_mindlin:
-        stored = kernels::HertzMindlin<S>{S(models::effective_young(law_)), S(0), S(0)}
-                     .elastic_energy(S(overlap), S(radius))
-                     .value();
-        break;
-      case models::ContactLawKind::impulse:
-        return 0;
-    }
-    return stored - 4 * kernels::pi * law_.surface_energy * radius * overlap;
+// What the normal spring and the pull of a contact hold, J.
+double elastic_energy(const models::ContactLaw& law, double overlap, double radius) {
+  double stored = 0;
+  switch (law.kind) {
+    case models::ContactLawKind::linear_spring:
+      stored = 0.5 * law.normal_stiffness * overlap * overlap;
+      break;
+    case models::ContactLawKind::hertz_mindlin:
+      stored = kernels::HertzMindlin<S>{S(models::effective_young(law)), S(0), S(0)}
+                   .elastic_energy(S(overlap), S(radius))
+                   .value();
+      break;
+    case models::ContactLawKind::impulse:
+      return 0;
   }
-  /// N/m
-  double tangential_stiffness(double overlap, double radius) const {
-    if (law_.kind == models::ContactLawKind::linear_spring) {
-      return law_.normal_stiffness * law_.tangential_ratio;
-    }
-    return 8 * models::effective_shear(law_) * root(radius * overlap);
-  }
-
- private:
-  const models::ContactLaw& law_;
-};
+  return stored - 4 * kernels::pi * law.surface_energy * radius * overlap;
+}
 
 // The radius R* that a law takes for a pair.
 double effective_radius(double a, double b) { return a * b / (a + b); }
@@ -313,55 +296,14 @@ Walls walls_at(const Setup& setup, double time) {
   return walls;
 }
 
-// Half of a spring's stretch squared, times its stiffness, of each contact that has a memory.
-double tangential_energy(const models::ContactLaw& law, const Walls& walls,
-                         const soa::Table& particles, const soa::Table& contacts,
-                         const Parallel& parallel) {
-  if (!law.remembers() || contacts.rows() == 0) return 0;
-  const Places places(particles);
-  const Springs springs(law);
-  const Vectors slip(contacts, index(ContactField::tangential_displacement));
-  const Vectors roll(contacts, index(ContactField::rolling_displacement));
-  const soa::Id* ids = particles.ids();
-  const auto row_of = [&](soa::Id id) {
-    return static_cast<std::size_t>(std::lower_bound(ids, ids + particles.rows(), id) - ids);
-  };
-  const auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
-  std::vector<double> energy(contacts.rows());
-  parallel.for_each(tasks_of(contacts.rows()), [&](std::size_t task) {
-    const std::size_t last = std::min(contacts.rows(), (task + 1) * rows_per_task);
-    for (std::size_t c = task * rows_per_task; c < last; ++c) {
-      const std::size_t row = row_of(contacts.ids()[c]);
-      double radius = places.radius(row);
-      double depth = 0;
-      if (soa::stream_of(partners[c]) == soa::max_stream) {
-        const auto part = static_cast<std::uint32_t>(soa::serial_of(partners[c]));
-        depth = wall_overlap(walls, part, places.center(row), radius).depth;
-      } else {
-        const std::size_t other = row_of(partners[c]);
-        depth = places.overlap(row, other);
-        radius = effective_radius(radius, places.radius(other));
-      }
-      // What has come apart in the last step has no springs any more.
-      if (!(depth > 0)) continue;
-      double squared = slip.squared(c);
-      if (law.rolls()) squared += roll.squared(c);
-      energy[c] = 0.5 * springs.tangential_stiffness(depth, radius) * squared;
-    }
-  });
-  return fixed_order_sum(energy);
-}
-
 }  // namespace
 
 ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa::Table& particles,
-                                     const soa::Table& contacts, Isa isa,
-                                     const Parallel& parallel) {
+                                     Isa isa, const Parallel& parallel) {
   const models::ContactLaw& law = *setup.contact_law;
   const std::size_t rows = particles.rows();
   const Walls walls = walls_at(setup, time);
   const Places places(particles);
-  const Springs springs(law);
   ContactDiagnostics d;
   std::vector<double> sums(rows);
   {
@@ -371,24 +313,24 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
     {
       const Search search(particles, walls, isa, parallel);
       std::vector<Extremes> extremes(search.tasks());
-      search.for_each_row(
-          [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
-            Extremes& most = extremes[task];
-            for (const Overlap& overlap : overlaps) {
-              // The lower id speaks for a pair; rows are in the order of the ids.
-              if (!overlap.wall && overlap.partner < row) continue;
-              const double own = places.radius(row);
-              const double other = overlap.wall ? own : places.radius(overlap.partner);
-              const double share = overlap.depth / std::min(own, other);
-              ++(overlap.wall ? most.walls : most.pairs);
-              most.overlap = std::max(most.overlap, overlap.depth);
-              most.relative = std::max(most.relative, share);
-              sums[row] += overlap.depth;
-              relative[row] += share;
-              elastic[row] +=
-                  springs.energy(overlap.depth, overlap.wall ? own : effective_radius(own, other));
-            }
-          });
+      search.for_each_row([&](std::size_t task, std::size_t row,
+                              std::span<const Overlap> overlaps) {
+        Extremes& most = extremes[task];
+        for (const Overlap& overlap : overlaps) {
+          // The lower id speaks for a pair; rows are in the order of the ids.
+          if (!overlap.wall && overlap.partner < row) continue;
+          const double own = places.radius(row);
+          const double other = overlap.wall ? own : places.radius(overlap.partner);
+          const double share = overlap.depth / std::min(own, other);
+          ++(overlap.wall ? most.walls : most.pairs);
+          most.overlap = std::max(most.overlap, overlap.depth);
+          most.relative = std::max(most.relative, share);
+          sums[row] += overlap.depth;
+          relative[row] += share;
+          elastic[row] +=
+              elastic_energy(law, overlap.depth, overlap.wall ? own : effective_radius(own, other));
+        }
+      });
       for (const Extremes& most : extremes) {
         all.pairs += most.pairs;
         all.walls += most.walls;
@@ -410,7 +352,6 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
     }
     d.elastic_energy = fixed_order_sum(elastic);
   }
-  d.tangential_spring_energy = tangential_energy(law, walls, particles, contacts, parallel);
 
   const auto sum_of = [&](const auto& value) {
     for (std::size_t row = 0; row < rows; ++row) sums[row] = value(row);
@@ -424,13 +365,16 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
       return 0.2 * mass[row] * radius * radius * spin.squared(row);
     });
   }
-  const auto loss = [&](ParticleField field) {
+  const auto kept = [&](ParticleField field, std::size_t component = 0) {
     if (!law.energy_budget) return std::numeric_limits<double>::quiet_NaN();
-    const Values losses(particles, index(field));
-    return sum_of([&](std::size_t row) { return losses[row]; });
+    const Values values(particles, index(field), component);
+    return sum_of([&](std::size_t row) { return values[row]; });
   };
-  d.damping_loss = loss(ParticleField::damping_loss);
-  d.friction_loss = loss(ParticleField::friction_loss);
+  d.damping_loss = kept(ParticleField::damping_loss);
+  d.friction_loss = kept(ParticleField::friction_loss);
+  for (std::size_t c = 0; c < 3; ++c) {
+    d.momentum_error[c] = kept(ParticleField::contact_impulse, c);
+  }
   return d;
 }
 

@@ -16,10 +16,10 @@ namespace salvo::solver {
 
 struct Setup;
 
-/// Of a set-up with a contact law; tables sorted by id, at `time`. Sums go by id in the fixed
+/// Of a set-up with a contact law; the table sorted by id, at `time`. Sums go by id in the fixed
 /// order.
 ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa::Table& particles,
-                                     const soa::Table& contacts, Isa isa, const Parallel& parallel);
+                                     Isa isa, const Parallel& parallel);
 
 /// Particles that are emitted where others or obstacles are.
 struct BirthOverlaps {

@@ -32,9 +32,9 @@ void for_each_field(D& diagnostics, const Visit& visit) {
   visit("mean_relative_overlap", "", contacts.mean_relative_overlap);
   visit("rotational_energy", "J", contacts.rotational_energy);
   visit("elastic_energy", "J", contacts.elastic_energy);
-  visit("tangential_spring_energy", "J", contacts.tangential_spring_energy);
   visit("damping_loss", "J", contacts.damping_loss);
   visit("friction_loss", "J", contacts.friction_loss);
+  visit("momentum_error", "N s", contacts.momentum_error);
 }
 
 }  // namespace salvo::solver

@@ -140,8 +140,9 @@ std::vector<bool> World::stored_fields(const Setup& setup) {
   const models::ContactLaw* law = setup.contact_law ? &*setup.contact_law : nullptr;
   stored[index(ParticleField::angular_velocity)] = law && law->turns();
   stored[index(ParticleField::residual)] = law && setup.precision == soa::Precision::float32;
-  stored[index(ParticleField::damping_loss)] = law && law->energy_budget;
-  stored[index(ParticleField::friction_loss)] = law && law->energy_budget;
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    if (soa::only_of_budgets(f)) stored[f] = law && law->energy_budget;
+  }
   return stored;
 }
 
@@ -538,7 +539,14 @@ Diagnostics World::diagnose() const {
   Diagnostics diagnostics = solver::diagnose(particles(), setup_.forces, *parallel_);
   if (setup_.contact_law) {
     diagnostics.contacts =
-        diagnose_contacts(setup_, time(), particles(), contacts(), execution_.isa, *parallel_);
+        diagnose_contacts(setup_, time(), particles(), execution_.isa, *parallel_);
+    std::uint64_t emitted = 0;
+    for (const EmissionSchedule& schedule : schedules_) {
+      emitted += schedule.emitted_before(step_ + 1);
+    }
+    if (particles().rows() != emitted) {
+      diagnostics.contacts->momentum_error.fill(std::numeric_limits<double>::quiet_NaN());
+    }
   }
   return diagnostics;
 }

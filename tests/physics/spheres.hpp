@@ -147,6 +147,7 @@ struct Totals {
   double kinetic = 0;         // with rotation, J
   double losses = 0;          // J
   double momenta = 0;         // sum of the magnitudes of momenta, kg m/s
+  double impulses = 0;        // likewise of what contacts with other particles gave, N s
 };
 
 inline Totals totals(const World& world) {
@@ -165,6 +166,7 @@ inline Totals totals(const World& world) {
       sum.angular_momentum[c] += mass * (x[a] * v[b] - x[b] * v[a]) + inertia * w[c];
       sum.kinetic += 0.5 * mass * v[c] * v[c] + 0.5 * inertia * w[c] * w[c];
       sum.momenta += mass * std::abs(v[c]);
+      sum.impulses += std::abs(value(world, ParticleField::contact_impulse, row, c));
     }
     sum.losses += value(world, ParticleField::damping_loss, row) +
                   value(world, ParticleField::friction_loss, row);

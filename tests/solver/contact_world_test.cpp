@@ -454,7 +454,7 @@ TEST(ContactWorld, CreepingFarFromTheOriginIsSeen) {
   creep(Precision::float64, 0x1p27, 5e-6, 1.6e-2, 4e-6);
 }
 
-// Impulses give nothing: momentum stays, and energy only goes.
+// Impulses give nothing: momentum stays, and energy only goes, into the losses.
 TEST(ContactWorld, ImpulsesNeverAddEnergy) {
   for (const double restitution : {0.0, 0.6, 1.0}) {
     solver::Setup setup = touching_setup(impulse(restitution, 0.4));
@@ -474,6 +474,7 @@ TEST(ContactWorld, ImpulsesNeverAddEnergy) {
       const Totals now = totals(world);
       EXPECT_LE(now.kinetic, before * (1 + 1e-13)) << restitution << ", " << step;
       before = now.kinetic;
+      EXPECT_NEAR(now.kinetic + now.losses, first.kinetic, 1e-12 * first.kinetic);
       for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_NEAR(now.momentum[c], first.momentum[c], 1e-13 * first.momenta);
       }

@@ -24,6 +24,7 @@ struct Particle {
   std::array<double, 3> residual{};
   double damping_loss = 0;
   double friction_loss = 0;
+  std::array<double, 3> contact_impulse{};
 };
 
 constexpr std::size_t at(soa::ParticleField field) { return static_cast<std::size_t>(field); }
@@ -47,6 +48,7 @@ Particle read_particle(const soa::Table& table, std::size_t row) {
     p.velocity[c] = real(ParticleField::velocity, c);
     p.angular_velocity[c] = real(ParticleField::angular_velocity, c);
     p.residual[c] = real(ParticleField::residual, c);
+    p.contact_impulse[c] = real(ParticleField::contact_impulse, c);
   }
   p.mass = real(ParticleField::mass);
   p.radius = real(ParticleField::radius);
@@ -86,6 +88,7 @@ void write_particle(soa::Table& table, std::size_t row, const Particle& p) {
     set(ParticleField::velocity, static_cast<T>(p.velocity[c]), c);
     set(ParticleField::angular_velocity, static_cast<T>(p.angular_velocity[c]), c);
     set(ParticleField::residual, static_cast<T>(p.residual[c]), c);
+    set(ParticleField::contact_impulse, static_cast<T>(p.contact_impulse[c]), c);
   }
   set(ParticleField::mass, static_cast<T>(p.mass));
   set(ParticleField::radius, static_cast<T>(p.radius));

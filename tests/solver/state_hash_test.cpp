@@ -80,6 +80,9 @@ void put_field(Bytes& bytes, soa::ParticleField field, const Particle& p) {
       return put(bytes, static_cast<T>(p.damping_loss));
     case F::friction_loss:
       return put(bytes, static_cast<T>(p.friction_loss));
+    case F::contact_impulse:
+      for (const double i : p.contact_impulse) put(bytes, static_cast<T>(i));
+      return;
   }
 }
 
@@ -129,6 +132,7 @@ std::vector<Particle> scattered_particles(std::size_t count) {
     p.residual = {draw(), draw(), draw()};
     p.damping_loss = draw();
     p.friction_loss = draw();
+    p.contact_impulse = {draw(), draw(), draw()};
   }
   std::sort(particles.begin(), particles.end(),
             [](const Particle& a, const Particle& b) { return a.id < b.id; });
@@ -203,6 +207,7 @@ TEST(StateHash, SeesEveryFieldAndNamesIt) {
       [](Particle& p) { p.residual[2] += 1e-9; },
       [](Particle& p) { p.damping_loss += 1e-9; },
       [](Particle& p) { p.friction_loss += 1e-9; },
+      [](Particle& p) { p.contact_impulse[2] += 1e-9; },
   };
   for (std::size_t f = 1; f < std::size(changes); ++f) {
     std::vector<Particle> changed = particles;
