@@ -470,6 +470,17 @@ class Completion {
       models::TriangleMesh mesh = read_mesh(file.string());
       const std::string bytes = read_scene_file(file.string());
       keys_.inputs.push_back(solver::digest_of(bytes.data(), bytes.size()));
+      const double reach = given.scale * models::reach(mesh);
+      constexpr double least = 1e-15;
+      constexpr double most = 1e15;
+      if (!(least <= reach && reach <= most)) {
+        const bool scaled = attempted(path, "scale");
+        fail(path + (scaled ? ".scale" : ".file"),
+             fmt::format("the mesh reaches {:.3g} m from its origin", reach),
+             fmt::format("expected {:g} to {:g} m: {} \"scale\"", least, most,
+                         scaled ? "choose another" : "give a"));
+        return;
+      }
       for (models::Triple& vertex : mesh.vertices) {
         for (double& coordinate : vertex) coordinate *= given.scale;
       }
@@ -567,7 +578,35 @@ class Completion {
     }
   }
 
+  // Where and how fast particles start has to have a square in the precision of the scene.
+  void check_start(const EmitterKeys& given, const std::string& path) {
+    const bool is_float = keys_.setup.precision == soa::Precision::float32;
+    const double most = is_float ? 0x1p63 : 0x1p511;
+    const auto check = [&](const char* key, std::initializer_list<double> numbers,
+                           const char* unit) {
+      double largest = 0;
+      for (const double number : numbers) largest = std::max(largest, std::abs(number));
+      if (largest <= most) return;
+      fail(fmt::format("{}.{}", path, key),
+           fmt::format("\"{}\" in [[emitter]] is {:.3g} {}: the square is out of range", key,
+                       largest, unit),
+           fmt::format("expected at most {:.2g} {}{}", most, unit,
+                       is_float ? ", or precision = \"double\"" : ""));
+    };
+    const auto three = [&](const char* key, const Triple& of, const char* unit) {
+      check(key, {of[0], of[1], of[2]}, unit);
+    };
+    three("position", given.position, "m");
+    three("size", given.size, "m");
+    check("source_radius", {given.source_radius}, "m");
+    check("jitter", {given.jitter}, "m");
+    three("velocity", given.velocity, "m/s");
+    check("speed", {given.speed.least(), given.speed.greatest()}, "m/s");
+    three("angular_velocity", given.angular_velocity, "rad/s");
+  }
+
   void complete_emitter(EmitterKeys& given, const std::string& path) {
+    check_start(given, path);
     complete_direction(given.direction, path + ".direction", "direction");
     given.time = given.given_time.value_or(keys_.setup.t0);
     if (timed_ && given.time < keys_.setup.t0) {

@@ -5,6 +5,7 @@
 
 #include <cfenv>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include "kernels/math.hpp"
@@ -822,6 +823,39 @@ TEST(SceneMistakes, SizesOfParticlesThatTouch) {
                            "[[obstacle]]\nshape = \"plane\"\nfriction = 0.5\n"));
   EXPECT_EQ(mistakes_in(slippery), 1u) << slippery;
   EXPECT_NE(slippery.find("\"friction\" in [contact_law] is out of bounds"), std::string::npos);
+}
+
+TEST(SceneMistakes, StartsThatCannotBeSquared) {
+  EXPECT_EQ(mistakes_with("position = [0, 1e39, 0]\n"),
+            "scene.toml:7:12: error: \"position\" in [[emitter]] is 1e+39 m: the square is out of "
+            "range\n"
+            "  7 | position = [0, 1e39, 0]\n"
+            "    |            ^^^^^^^^^^^^ expected at most 9.2e+18 m, or precision = \"double\"");
+  for (const std::string key : {"velocity = [-1e20, 0, 0]", "speed = { uniform = [0, 1e20] }",
+                                "source_radius = 1e20", "angular_velocity = [0, 0, 1e20]"}) {
+    const std::string said = mistakes_with(key + "\n");
+    EXPECT_NE(said.find("the square is out of range"), std::string::npos) << key << said;
+    EXPECT_EQ(mistakes_of("precision = \"double\"\n" + minimal + key + "\n"), "no mistake");
+  }
+}
+
+TEST(SceneMistakes, MeshesThatAreTooLargeOrTooSmall) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "salvo_meshes_out_of_range";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
+  const auto said = [&](const std::string& scale) {
+    return mistakes_of(touching("kind = \"impulse\"\n", "radius = 0.1\n",
+                                "[[obstacle]]\nshape = \"mesh\"\nfile = \"" +
+                                    (folder / "a.obj").string() + "\"\nscale = " + scale + "\n"));
+  };
+  EXPECT_EQ(said("1e-15"), "no mistake");
+  EXPECT_EQ(said("1e15"), "no mistake");
+  EXPECT_EQ(said("1e-320"),
+            "scene.toml:14:9: error: the mesh reaches 1e-320 m from its origin\n"
+            " 14 | scale = 1e-320\n"
+            "    |         ^^^^^^ expected 1e-15 to 1e+15 m: choose another \"scale\"");
+  EXPECT_NE(said("1e200").find("reaches 1e+200 m"), std::string::npos) << said("1e200");
 }
 
 TEST(SceneMistakes, MotionOfObstacles) {
