@@ -145,7 +145,9 @@ void check_memory(const scene::Scene& scene, std::uint64_t bytes) {
       fmt::format("{} takes {} of memory for {}, and {} are available", scene.path,
                   bytes_text(bytes), counted(solver::World::total_emitted(scene.setup), "particle"),
                   bytes_text(*available)),
-      "fewer particles, or precision = \"float\", take less");
+      scene.setup.precision == soa::Precision::float64
+          ? "fewer particles, or precision = \"float\", take less"
+          : "fewer particles take less");
 }
 
 void check_memory(const scene::SweepScene& scene, std::uint64_t bytes) {

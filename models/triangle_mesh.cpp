@@ -172,9 +172,17 @@ class Inspection {
       mistakes_.push_back({std::nullopt, "the mesh has no triangles", "expected at least one"});
     }
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
-      if (all(is_finite(vec(mesh_.vertices[v])))) continue;
-      mistakes_.push_back({std::nullopt, fmt::format("vertex {} is at {}", v + 1, place(index(v))),
-                           "expected finite coordinates"});
+      const Triple& at = mesh_.vertices[v];
+      const bool near = std::ranges::all_of(
+          at, [](double x) { return -farthest_reach <= x && x <= farthest_reach; });
+      if (near) continue;
+      mistakes_.push_back(
+          {std::nullopt, fmt::format("vertex {} is at {}", v + 1, place(index(v))),
+           fmt::format("expected finite coordinates of at most {:g}", farthest_reach)});
+    }
+    if (mistakes_.empty() && reach(mesh_) < shortest_reach) {
+      mistakes_.push_back({std::nullopt, fmt::format("the mesh reaches {:g}", reach(mesh_)),
+                           fmt::format("expected a coordinate of at least {:g}", shortest_reach)});
     }
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       for (const std::uint32_t v : mesh_.triangles[t]) {
@@ -187,6 +195,7 @@ class Inspection {
   }
 
   void look_at_triangles() {
+    const double least_side = smallest_triangle * reach(mesh_);
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       const Corners& v = triangles_[t];
       const std::string name = fmt::format("triangle {}", t + 1);
@@ -200,8 +209,14 @@ class Inspection {
         longest = max(longest, norm_squared(vec(mesh_.vertices[v[following(side)]]) -
                                             vec(mesh_.vertices[v[side]])));
       }
+      if (!(number(sqrt(longest)) >= least_side)) {
+        add(t,
+            fmt::format("{} at {} is degenerate: its longest side is {:.3g}", name, place(v[0]),
+                        number(sqrt(longest))),
+            "remove it");
+        continue;
+      }
       const double thinness = number(norm(area_vector(mesh_.vertices, v)) / longest);
-      // Not <: of a side that is too long to be squared it is no number.
       if (thinness >= thinnest_triangle) continue;
       add(t,
           fmt::format("{} at {} is degenerate: its height is {:.3g} of its longest side", name,
@@ -464,6 +479,14 @@ class Construction {
 };
 
 }  // namespace
+
+double reach(const TriangleMesh& mesh) {
+  double farthest = 0;
+  for (const Triple& vertex : mesh.vertices) {
+    for (const double x : vertex) farthest = std::max({farthest, x, -x});
+  }
+  return farthest;
+}
 
 std::vector<MeshMistake> mistakes_in(const TriangleMesh& mesh) {
   return Inspection(mesh).mistakes();

@@ -42,6 +42,16 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// How far the vertices of a mesh may reach from its origin along an axis, and must: the squares of
+/// areas are numbers.
+inline constexpr double farthest_reach = 1e30;
+inline constexpr double shortest_reach = 1e-30;
+/// Triangles whose sides are less than this part of the mesh's reach are points.
+inline constexpr double smallest_triangle = 1e-30;
+
+/// The largest coordinate, either way.
+double reach(const TriangleMesh& mesh);
+
 /// Triangles whose height is less than this part of their longest side have no normal to speak of.
 inline constexpr double thinnest_triangle = 1e-6;
 

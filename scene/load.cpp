@@ -26,6 +26,7 @@
 #include "scene/units.hpp"
 #include "solver/contact_time.hpp"
 #include "solver/floating_point_environment.hpp"
+#include "solver/walls.hpp"
 
 namespace salvo::scene {
 
@@ -108,6 +109,10 @@ class Completion {
   // A key that is there but was wrong is no missing key.
   bool attempted(const std::string& section, const std::string& key) const {
     return deepest(root_, section).find(key) != nullptr;
+  }
+  // Whether a key may hold something else than its member: it was wrong, which was reported.
+  bool unsure(const std::string& section, const std::string& key) const {
+    return !read_whole_ && attempted(section, key);
   }
   static std::string label(const std::string& section) {
     const std::size_t dot = section.find('.');
@@ -251,7 +256,8 @@ class Completion {
       fail("contact", "[contact] is for particles that do not touch each other",
            "obstacles are met through [contact_law]; remove one of the two");
     }
-    if (law.friction == 0) {
+    const bool turns = law.friction > 0 || unsure("contact_law", "friction");
+    if (!turns) {
       for (const char* key : {"tangential_ratio", "rolling_friction"}) {
         if (!attempted("contact_law", key)) continue;
         fail(fmt::format("contact_law.{}", key),
@@ -260,23 +266,110 @@ class Completion {
       }
     }
     for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
-      const solver::Spread& radius = keys_.emitters[i].radius;
-      const std::string path = fmt::format("emitter.{}", i);
-      if (!(radius.a > 0)) {
-        fail(attempted(path, "radius") ? path + ".radius" : path,
-             "particles that touch need a radius", "give radius in [[emitter]]");
-      }
+      check_sizes(keys_.emitters[i], fmt::format("emitter.{}", i));
     }
     for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
       const std::string path = fmt::format("obstacle.{}", i);
-      if (keys_.obstacles[i].friction == 0 || law.friction > 0) continue;
+      if (keys_.obstacles[i].friction == 0 || turns) continue;
       fail(path + ".friction", "\"friction\" in [[obstacle]] needs particles that turn",
            "give a friction in [contact_law]");
     }
     keys_.setup.birth_tolerance = 0.01;
-    if (timed_ && law.kind != models::ContactLawKind::impulse && mistakes_.count() == 0) {
-      check_step();
+    if (!timed_ || mistakes_.count() != 0) return;
+    if (law.kind != models::ContactLawKind::impulse) check_step();
+    for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+      check_motion(keys_.obstacles[i], fmt::format("obstacle.{}.motion", i));
     }
+  }
+
+  // Masses and radii of particles that touch are multiplied in the precision of the scene: with
+  // each other, and to moments of inertia. No product may vanish, lose its digits or overflow.
+  void check_sizes(const EmitterKeys& emitter, const std::string& path) {
+    if (!attempted(path, "radius")) {
+      fail(path, "particles that touch need a radius", "give radius in [[emitter]]");
+      return;
+    }
+    if (unsure(path, "radius") || unsure(path, "mass")) return;
+    const bool is_float = keys_.setup.precision == soa::Precision::float32;
+    const double smallest = is_float ? 0x1p-126 : 0x1p-1022;
+    const double root = is_float ? 0x1p-63 : 0x1p-511;
+    const char* wider = is_float ? ", or precision = \"double\"" : "";
+    const std::size_t before = mistakes_.count();
+    const auto check = [&](const solver::Spread& size, const char* key, const char* unit) {
+      const double least = least_drawn(size);
+      const double greatest = size.greatest();
+      if (least == 0) {
+        fail(fmt::format("{}.{}", path, key), fmt::format("particles that touch need a {}", key),
+             fmt::format("expected more than 0 {}", unit));
+      } else if (least < root || greatest > 1 / root) {
+        fail(fmt::format("{}.{}", path, key),
+             fmt::format("\"{}\" in [[emitter]] comes to {:.3g} {}: the square is out of range",
+                         key, least < root ? least : greatest, unit),
+             fmt::format("expected {:.2g} to {:.2g} {}{}", root, 1 / root, unit, wider));
+      }
+    };
+    check(emitter.radius, "radius", "m");
+    check(emitter.mass, "mass", "kg");
+    if (mistakes_.count() != before || !keys_.setup.contact_law->turns()) return;
+    const double radius = least_drawn(emitter.radius);
+    const double inertia = 0.4 * least_drawn(emitter.mass) * radius * radius;
+    if (inertia >= smallest) return;  // the bounds of both keep it from overflowing
+    fail(path + ".radius",
+         fmt::format("\"radius\" and \"mass\" in [[emitter]] give a moment of inertia of {:.3g} "
+                     "kg m^2, which is out of range",
+                     inertia),
+         fmt::format("expected at least {:.2g} kg m^2{}", smallest, wider));
+  }
+
+  // A normal spread may come near zero, which draws do with no chance to speak of.
+  static double least_drawn(const solver::Spread& spread) {
+    return spread.least() > 0 || spread.kind != solver::Spread::Kind::normal ? spread.least()
+                                                                             : spread.a;
+  }
+
+  // Contacts follow an obstacle that goes no farther than a radius in a step, and of a swing or a
+  // turn as many steps as show which way it goes.
+  void check_motion(const ObstacleKeys& obstacle, const std::string& path) {
+    constexpr double least_steps = 8;
+    const models::ObstacleMotion& motion = obstacle.motion;
+    const double dt = keys_.setup.dt;
+    if (motion.frequency * dt * least_steps > 1) {
+      fail(path + ".frequency",
+           fmt::format("a swing of [obstacle.motion] takes {:.3g} steps",
+                       1 / (motion.frequency * dt)),
+           fmt::format("expected at least {}: at most {:.3g} 1/s, or steps of {:.3g} s",
+                       least_steps, 1 / (least_steps * dt), 1 / (least_steps * motion.frequency)));
+      return;
+    }
+    // What a plane does far from where it turns about, no bound can say.
+    double speed = solver::fastest(obstacle);
+    if (!(speed < std::numeric_limits<double>::infinity())) {
+      const Triple& spin = motion.angular_velocity;
+      const double rate = norm(kernels::Vec3<S>{S(spin[0]), S(spin[1]), S(spin[2])}).value();
+      const double fastest_rate = 2 * kernels::pi / (least_steps * dt);
+      if (rate > fastest_rate) {
+        fail(path + ".angular_velocity",
+             fmt::format("a turn of [obstacle.motion] takes {:.3g} steps",
+                         2 * kernels::pi / (rate * dt)),
+             fmt::format("expected at least {}: at most {:.3g} rad/s, or steps of {:.3g} s",
+                         least_steps, fastest_rate, 2 * kernels::pi / (least_steps * rate)));
+        return;
+      }
+      Obstacle straight = obstacle;
+      straight.motion.angular_velocity = {};
+      speed = solver::fastest(straight);
+    }
+    double smallest = std::numeric_limits<double>::max();
+    for (const EmitterKeys& emitter : keys_.emitters) {
+      smallest = std::min(smallest, least_drawn(emitter.radius));
+    }
+    if (speed * dt <= smallest) return;
+    fail(path,
+         fmt::format("[obstacle.motion] goes as far as {:.3g} m in a step, farther than the "
+                     "smallest radius, {:.3g} m",
+                     speed * dt, smallest),
+         fmt::format("expected at most {:.3g} m/s, or steps of {:.3g} s", smallest / dt,
+                     smallest / speed));
   }
 
   void check_step() {
@@ -377,6 +470,17 @@ class Completion {
       models::TriangleMesh mesh = read_mesh(file.string());
       const std::string bytes = read_scene_file(file.string());
       keys_.inputs.push_back(solver::digest_of(bytes.data(), bytes.size()));
+      const double reach = given.scale * models::reach(mesh);
+      constexpr double least = 1e-15;
+      constexpr double most = 1e15;
+      if (!(least <= reach && reach <= most)) {
+        const bool scaled = attempted(path, "scale");
+        fail(path + (scaled ? ".scale" : ".file"),
+             fmt::format("the mesh reaches {:.3g} m from its origin", reach),
+             fmt::format("expected {:g} to {:g} m: {} \"scale\"", least, most,
+                         scaled ? "choose another" : "give a"));
+        return;
+      }
       for (models::Triple& vertex : mesh.vertices) {
         for (double& coordinate : vertex) coordinate *= given.scale;
       }
@@ -474,7 +578,35 @@ class Completion {
     }
   }
 
+  // Where and how fast particles start has to have a square in the precision of the scene.
+  void check_start(const EmitterKeys& given, const std::string& path) {
+    const bool is_float = keys_.setup.precision == soa::Precision::float32;
+    const double most = is_float ? 0x1p63 : 0x1p511;
+    const auto check = [&](const char* key, std::initializer_list<double> numbers,
+                           const char* unit) {
+      double largest = 0;
+      for (const double number : numbers) largest = std::max(largest, std::abs(number));
+      if (largest <= most) return;
+      fail(fmt::format("{}.{}", path, key),
+           fmt::format("\"{}\" in [[emitter]] is {:.3g} {}: the square is out of range", key,
+                       largest, unit),
+           fmt::format("expected at most {:.2g} {}{}", most, unit,
+                       is_float ? ", or precision = \"double\"" : ""));
+    };
+    const auto three = [&](const char* key, const Triple& of, const char* unit) {
+      check(key, {of[0], of[1], of[2]}, unit);
+    };
+    three("position", given.position, "m");
+    three("size", given.size, "m");
+    check("source_radius", {given.source_radius}, "m");
+    check("jitter", {given.jitter}, "m");
+    three("velocity", given.velocity, "m/s");
+    check("speed", {given.speed.least(), given.speed.greatest()}, "m/s");
+    three("angular_velocity", given.angular_velocity, "rad/s");
+  }
+
   void complete_emitter(EmitterKeys& given, const std::string& path) {
+    check_start(given, path);
     complete_direction(given.direction, path + ".direction", "direction");
     given.time = given.given_time.value_or(keys_.setup.t0);
     if (timed_ && given.time < keys_.setup.t0) {
@@ -618,6 +750,25 @@ class Completion {
         fail(fmt::format("forces.{}", wind),
              fmt::format("[forces.{}] acts through drag, and there is none", wind),
              "set quadratic_drag = true, or a linear_drag");
+      }
+    }
+    for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
+      const std::string path = fmt::format("obstacle.{}.motion", i);
+      const models::ObstacleMotion& motion = keys_.obstacles[i].motion;
+      const auto half_a_swing = [&](const char* given, const char* other) {
+        if (!attempted(path, given)) return;
+        fail(fmt::format("{}.{}", path, given),
+             fmt::format("\"{}\" in [obstacle.motion] is given, but there is no {}", given, other),
+             fmt::format("give the {}, or remove it", other));
+      };
+      const bool swings = motion.amplitude != Triple{};
+      if (swings && motion.frequency == 0) half_a_swing("amplitude", "frequency");
+      if (!swings && motion.frequency > 0) half_a_swing("frequency", "amplitude");
+      // Its samples stand over a grid in x and z.
+      if (keys_.obstacles[i].shape == ObstacleShape::height_field &&
+          motion.angular_velocity != Triple{}) {
+        fail(path + ".angular_velocity", "a height field does not turn",
+             "remove angular_velocity, or use a mesh");
       }
     }
     // A field that is recorded is of use without drag, too.

@@ -67,9 +67,9 @@ void PolygonMesh::fail(const std::string& problem, const std::string& hint) cons
 
 void PolygonMesh::add_vertex(const models::Triple& position, std::size_t place) {
   for (const double x : position) {
-    if (x - x == 0) continue;
+    if (-models::farthest_reach <= x && x <= models::farthest_reach) continue;
     fail(place, fmt::format("a vertex at ({})", fmt::join(position, ", ")),
-         "expected finite coordinates");
+         fmt::format("expected finite coordinates of at most {:g}", models::farthest_reach));
   }
   mesh_.vertices.push_back(position);
 }

@@ -12,22 +12,6 @@ namespace {
 
 using S = kernels::ScalarLane<double>;
 
-// Normal draws stay within four deviations.
-double least(const Spread& spread) {
-  return spread.kind == Spread::Kind::normal ? spread.a - 4 * spread.b : spread.a;
-}
-double greatest(const Spread& spread) {
-  switch (spread.kind) {
-    case Spread::Kind::constant:
-      return spread.a;
-    case Spread::Kind::uniform:
-      return spread.b;
-    case Spread::Kind::normal:
-      return spread.a + 4 * spread.b;
-  }
-  return spread.a;
-}
-
 double rayleigh_time(const models::ContactLaw& law, double mass, double radius) {
   const double density = mass / (4.0 / 3.0 * kernels::pi * radius * radius * radius);
   const double shear = law.young_modulus / (2 * (1 + law.poisson_ratio));
@@ -74,8 +58,8 @@ ContactTime contact_time(const Setup& setup) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const Emitter& emitter : setup.emitters) {
     // Mass and radius are drawn apart: any two may meet in a particle.
-    const double mass = least(emitter.mass);
-    const double radius = greatest(emitter.radius);
+    const double mass = emitter.mass.least();
+    const double radius = emitter.radius.greatest();
     if (!(mass > 0) || !(radius > 0)) continue;
     const double impact = kernels::pi * sqrt(S(0.5 * mass / law.normal_stiffness)).value();
     shortest = std::min(shortest, hertz ? rayleigh_time(law, mass, radius) : impact);

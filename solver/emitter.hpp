@@ -23,6 +23,11 @@ struct Spread {
   double b = 0;
 
   bool varies() const { return kind != Kind::constant; }
+  /// What draws stay above and below; of a normal one that comes near zero the least is negative.
+  double least() const { return kind == Kind::normal ? a - 4 * b : a; }
+  double greatest() const {
+    return kind == Kind::normal ? a + 4 * b : kind == Kind::uniform ? b : a;
+  }
 };
 
 enum class EmitterKind {

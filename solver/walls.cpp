@@ -79,8 +79,9 @@ bool turned_onto_itself(const Obstacle& obstacle) {
   return norm(spin).value() == 0;
 }
 
-// How fast the surface comes towards a particle at most.
-double fastest_of(const Obstacle& obstacle) {
+}  // namespace
+
+double fastest(const Obstacle& obstacle) {
   const models::ObstacleMotion& motion = obstacle.motion;
   const double swing = 2 * kernels::pi * motion.frequency * norm(vector(motion.amplitude)).value();
   double speed = norm(vector(motion.velocity)).value() + swing;
@@ -89,8 +90,6 @@ double fastest_of(const Obstacle& obstacle) {
   }
   return speed;
 }
-
-}  // namespace
 
 Triple Bounds::center() const {
   Triple middle;
@@ -113,7 +112,7 @@ Walls::Walls(std::span<const Obstacle> obstacles) {
     add(obstacle);
     const auto number = static_cast<std::size_t>(&obstacle - obstacles.data());
     for (std::size_t p = before; p < plans_.size(); ++p) plans_[p].obstacle = number;
-    fastest_ = std::max(fastest_, fastest_of(obstacle));
+    fastest_ = std::max(fastest_, solver::fastest(obstacle));
   }
   for (Plan& plan : plans_) {
     const auto wall = static_cast<std::uint32_t>(now_.size());

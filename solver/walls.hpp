@@ -55,6 +55,10 @@ class FeatureGrid {
   std::vector<std::uint32_t> feature_;  // cell after cell
 };
 
+/// An upper bound of the speed with which an obstacle comes towards a particle, m/s; infinite where
+/// it turns and has no end.
+double fastest(const models::Obstacle& obstacle);
+
 class Walls {
  public:
   explicit Walls(std::span<const models::Obstacle> obstacles);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes scenes/hourglass.obj: a profile of radii turned about y.   usage: scenes/hourglass.py >scenes/hourglass.obj"""
+"""Writes scenes/hourglass.obj: a profile of radii turned about y.   usage: hourglass.py >hourglass.obj"""
 
 import math
 

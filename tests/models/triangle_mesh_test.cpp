@@ -422,8 +422,21 @@ TEST(MeshMistakes, NoTriangles) {
 TEST(MeshMistakes, NumbersThatAreNone) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(text_of({{{0, 0, 0}, {1, infinity, 0}, {1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}}),
-            "[] vertex 2 is at (1, inf, 0); expected finite coordinates\n"
+            "[] vertex 2 is at (1, inf, 0); expected finite coordinates of at most 1e+30\n"
             "[1] triangle 2 refers to vertex 4; there are 3\n");
+}
+
+TEST(MeshMistakes, NumbersThatCannotBeSquared) {
+  EXPECT_EQ(text_of({{{0, 0, 0}, {1e200, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}),
+            "[] vertex 2 is at (1e+200, 0, 0); expected finite coordinates of at most 1e+30\n");
+  EXPECT_EQ(text_of({{{0, 0, 0}, {1e-200, 0, 0}, {0, 1e-200, 0}}, {{0, 1, 2}}}),
+            "[] the mesh reaches 1e-200; expected a coordinate of at least 1e-30\n");
+  EXPECT_EQ(text_of({{{0, 0, 0}, {1e-31, 0, 0}, {0, 1e-31, 0}, {1, 0, 0}, {0, 0, 1}},
+                     {{0, 1, 2}, {0, 3, 4}}}),
+            "[0] triangle 1 at (0, 0, 0) is degenerate: its longest side is 1.41e-31; remove it\n");
+  for (const double size : {1e-30, 1e30}) {
+    EXPECT_EQ(text_of({{{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}}}), "");
+  }
 }
 
 TEST(MeshMistakes, DegenerateTriangles) {

@@ -5,6 +5,7 @@
 
 #include <cfenv>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include "kernels/math.hpp"
@@ -786,6 +787,112 @@ TEST(SceneMistakes, ContactLaws) {
   says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e6\nfriction = 0.5\n"
                 "tangential_ratio = 1000\n"),
        "cannot follow the slip spring (tangential_ratio)");
+}
+
+TEST(SceneMistakes, SizesOfParticlesThatTouch) {
+  const std::string law = "kind = \"impulse\"\nfriction = 0.5\n";
+  const auto said = [&](const std::string& emitter) { return mistakes_of(touching(law, emitter)); };
+  const auto mistakes_in = [](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find("error: ", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  EXPECT_EQ(said("mass = 1\nradius = 1e-46\n"),
+            "scene.toml:9:10: error: \"radius\" in [[emitter]] comes to 1e-46 m: the square is out "
+            "of range\n"
+            "  9 | radius = 1e-46\n"
+            "    |          ^^^^^ expected 1.1e-19 to 9.2e+18 m, or precision = \"double\"");
+  for (const std::string emitter :
+       {"mass = 1e-20\nradius = 1\n", "mass = 1e19\nradius = 1\n", "mass = 1e-15\nradius = 1e-15\n",
+        "mass = 1\nradius = { uniform = [1e-30, 1] }\n"}) {
+    EXPECT_NE(said(emitter).find("out of range"), std::string::npos) << emitter << said(emitter);
+    EXPECT_EQ(mistakes_in(said(emitter)), 1u) << said(emitter);
+    EXPECT_EQ(mistakes_of("precision = \"double\"" + touching(law, emitter).substr(19)),
+              "no mistake");
+  }
+  for (const std::string emitter : {"radius = { uniform = [0, 1] }\n", "radius = 0\n"}) {
+    EXPECT_NE(said(emitter).find("expected more than 0 m"), std::string::npos) << said(emitter);
+    EXPECT_EQ(mistakes_in(said(emitter)), 1u) << said(emitter);
+  }
+  // What is out of bounds is not missing as well.
+  for (const std::string radius : {"-1", "nan", "{ uniform = [-1, 1] }"}) {
+    EXPECT_EQ(mistakes_in(said("radius = " + radius + "\n")), 1u) << said("radius = " + radius);
+  }
+  const std::string slippery =
+      mistakes_of(touching("kind = \"impulse\"\nfriction = -0.1\n", "radius = 1\n",
+                           "[[obstacle]]\nshape = \"plane\"\nfriction = 0.5\n"));
+  EXPECT_EQ(mistakes_in(slippery), 1u) << slippery;
+  EXPECT_NE(slippery.find("\"friction\" in [contact_law] is out of bounds"), std::string::npos);
+}
+
+TEST(SceneMistakes, StartsThatCannotBeSquared) {
+  EXPECT_EQ(mistakes_with("position = [0, 1e39, 0]\n"),
+            "scene.toml:7:12: error: \"position\" in [[emitter]] is 1e+39 m: the square is out of "
+            "range\n"
+            "  7 | position = [0, 1e39, 0]\n"
+            "    |            ^^^^^^^^^^^^ expected at most 9.2e+18 m, or precision = \"double\"");
+  for (const std::string key : {"velocity = [-1e20, 0, 0]", "speed = { uniform = [0, 1e20] }",
+                                "source_radius = 1e20", "angular_velocity = [0, 0, 1e20]"}) {
+    const std::string said = mistakes_with(key + "\n");
+    EXPECT_NE(said.find("the square is out of range"), std::string::npos) << key << said;
+    EXPECT_EQ(mistakes_of("precision = \"double\"\n" + minimal + key + "\n"), "no mistake");
+  }
+}
+
+TEST(SceneMistakes, MeshesThatAreTooLargeOrTooSmall) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "salvo_meshes_out_of_range";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
+  const auto said = [&](const std::string& scale) {
+    return mistakes_of(touching("kind = \"impulse\"\n", "radius = 0.1\n",
+                                "[[obstacle]]\nshape = \"mesh\"\nfile = \"" +
+                                    (folder / "a.obj").string() + "\"\nscale = " + scale + "\n"));
+  };
+  EXPECT_EQ(said("1e-15"), "no mistake");
+  EXPECT_EQ(said("1e15"), "no mistake");
+  EXPECT_EQ(said("1e-320"),
+            "scene.toml:14:9: error: the mesh reaches 1e-320 m from its origin\n"
+            " 14 | scale = 1e-320\n"
+            "    |         ^^^^^^ expected 1e-15 to 1e+15 m: choose another \"scale\"");
+  EXPECT_NE(said("1e200").find("reaches 1e+200 m"), std::string::npos) << said("1e200");
+}
+
+TEST(SceneMistakes, MotionOfObstacles) {
+  const auto said = [](const std::string& motion,
+                       const std::string& shape = "\"box\"\nhalf_size = [1, 2, 2]") {
+    return mistakes_of(
+        touching("kind = \"impulse\"\n", "radius = 0.1\n",
+                 "[[obstacle]]\nshape = " + shape + "\n[obstacle.motion]\n" + motion));
+  };
+  const auto says = [&](const std::string& text, const std::string& what) {
+    EXPECT_NE(text.find(what), std::string::npos) << text;
+  };
+  EXPECT_EQ(said("amplitude = [1, 0, 0]\n"),
+            "scene.toml:15:13: error: \"amplitude\" in [obstacle.motion] is given, but there is no "
+            "frequency\n"
+            " 15 | amplitude = [1, 0, 0]\n"
+            "    |             ^^^^^^^^^ give the frequency, or remove it");
+  says(said("frequency = 5\n"), "is given, but there is no amplitude");
+  // Steps take 0.1 ms: a radius in a step is 1 km/s.
+  const std::string far = "farther than the smallest radius, 0.1 m";
+  EXPECT_EQ(said("velocity = [999, 0, 0]\n"), "no mistake");
+  says(said("velocity = [0, 1001, 0]\n"), far);
+  says(said("velocity = [0, 1001, 0]\n"), "expected at most 1e+03 m/s, or steps of 9.99e-05 s");
+  EXPECT_EQ(said("amplitude = [3, 0, 0]\nfrequency = 50\n"), "no mistake");
+  says(said("amplitude = [3, 0, 0]\nfrequency = 60\n"), far);
+  EXPECT_EQ(said("angular_velocity = [0, 330, 0]\n"), "no mistake");
+  says(said("angular_velocity = [0, 340, 0]\n"), far);
+  EXPECT_EQ(said("amplitude = [1e-3, 0, 0]\nfrequency = 1250\n"), "no mistake");
+  says(said("amplitude = [1e-3, 0, 0]\nfrequency = 1260\n"), "takes 7.94 steps");
+  // A plane has no end, but turns by an angle.
+  EXPECT_EQ(said("angular_velocity = [7000, 0, 0]\n", "\"plane\""), "no mistake");
+  says(said("angular_velocity = [8000, 0, 0]\n", "\"plane\""), "takes 7.85 steps");
+  says(said("velocity = [0, 1001, 0]\nangular_velocity = [7, 0, 0]\n", "\"plane\""), far);
+  EXPECT_EQ(said("angular_velocity = [0, 1e5, 0]\n", "\"plane\""), "no mistake");
+  says(said("angular_velocity = [0, 1, 0]\n",
+            "\"height_field\"\nspacing = 1\nheights = [[0, 0], [0, 0]]"),
+       "a height field does not turn");
 }
 
 TEST(SceneMistakes, WhatNeedsAContactLaw) {

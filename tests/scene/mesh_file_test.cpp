@@ -80,7 +80,7 @@ TEST(ObjFile, MistakesNameTheirLine) {
   EXPECT_EQ(obj_mistake("v 0 0 1e999\n"),
             "a.obj:1: \"1e999\" is out of range | expected v X Y Z, decimal numbers");
   EXPECT_EQ(obj_mistake("v 0 nan 0\n"),
-            "a.obj:1: a vertex at (0, nan, 0) | expected finite coordinates");
+            "a.obj:1: a vertex at (0, nan, 0) | expected finite coordinates of at most 1e+30");
   EXPECT_EQ(obj_mistake("v 0 0\n"),
             "a.obj:1: a vertex of 2 numbers | expected v X Y Z, and a weight or a colour if need "
             "be");
@@ -333,7 +333,7 @@ TEST(PlyFile, MistakesOfTextRowsNameTheirLine) {
   EXPECT_EQ(mistake("255 2 0 1 0.5 -1", "2.5 2 0 1 0.5 -1"),
             "a.ply:20: \"2.5\" is no whole number | property red is uchar");
   EXPECT_EQ(mistake("255 2 0 1 0.5 -1", "255 2 0 1 0.5 inf"),
-            "a.ply:20: a vertex at (2, 0, inf) | expected finite coordinates");
+            "a.ply:20: a vertex at (2, 0, inf) | expected finite coordinates of at most 1e+30");
   EXPECT_EQ(mistake("255 2 0 1 0.5 -1", "255 2 0 1 0.5"),
             "a.ply:20: the row ends before property z | expected all properties of vertex");
   EXPECT_EQ(mistake("255 2 0 1 0.5 -1", "255 2 0 1 0.5 -1 3"),
@@ -387,7 +387,7 @@ TEST(PlyFile, MistakesOfBinaryRowsNameTheirByte) {
                 "wrong");
   EXPECT_EQ(changed(head.size() + 14 + 1, 0x7F800000),
             "a.ply: byte " + std::to_string(head.size() + 14) +
-                ": a vertex at (inf, 0, 0) | expected finite coordinates");
+                ": a vertex at (inf, 0, 0) | expected finite coordinates of at most 1e+30");
   EXPECT_EQ(ply_mistake(head + body + "\n"),
             "a.ply: byte " + end +
                 ": the file goes on after its last element | the header announces too few rows");
