@@ -199,10 +199,10 @@ TEST(Table, CountsTheBytesOfItsColumns) {
   EXPECT_EQ(single.resident_bytes(), 0U);
   single.reserve(4097);
   twice.reserve(4097);
-  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 17 * 4 + 3 * 4));
-  EXPECT_EQ(twice.resident_bytes(), 4160U * (8 + 17 * 8 + 3 * 4));
+  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 20 * 4 + 3 * 4));
+  EXPECT_EQ(twice.resident_bytes(), 4160U * (8 + 20 * 8 + 3 * 4));
   single.append(4097);
-  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 17 * 4 + 3 * 4));  // reserved is enough
+  EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 20 * 4 + 3 * 4));  // reserved is enough
 }
 
 TEST(Table, KeepsColumnsWhereTheyAreWithinTheReserve) {
