@@ -206,7 +206,7 @@ void measure_stage(benchmark::State& state, const Row& row, Stage stage) {
     state.SetIterationTime(seconds.back());
   }
   const auto rows = static_cast<double>(world.particles().rows());
-  state.counters["particles_per_second"] = rows / median(seconds);
+  state.counters["particle_steps_per_second"] = rows / median(seconds);
   state.counters["spheres"] = rows;
 }
 

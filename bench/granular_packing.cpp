@@ -1,5 +1,7 @@
 #include "bench/granular_packing.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <random>
@@ -85,6 +87,15 @@ GranularPacking GranularScene::packing(std::size_t count) const {
 GranularLaw GranularScene::law() { return granular_law(1e4, 0.8, 0.5, sphere_mass(radius, glass)); }
 
 double GranularScene::dt() { return collision_time(law(), sphere_mass(radius, glass)) / 50; }
+
+std::string GranularScene::conditions() {
+  const GranularLaw both = law();
+  return fmt::format(
+      "linear springs of {:.6g} N/m, {:.6g} N/m across, damped by {:.6g} and {:.6g} 1/s, friction "
+      "{:.6g}; steps of {:.6g} s, skin {:.6g} m, lists every {} steps",
+      both.normal_stiffness, both.tangential_stiffness, both.normal_damping,
+      both.tangential_damping, both.friction, dt(), skin, rebuild_every);
+}
 
 const std::vector<GranularScene>& granular_scenes() {
   static const std::vector<GranularScene> all = {{"dense", 0.55, 1.3}, {"sparse", 0.1, 1.1}};

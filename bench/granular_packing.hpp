@@ -64,6 +64,8 @@ struct GranularScene {
   static GranularLaw law();
   /// A fiftieth of a collision.
   static double dt();
+  /// What both sides are told alike, in words.
+  static std::string conditions();
 };
 const std::vector<GranularScene>& granular_scenes();
 

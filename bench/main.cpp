@@ -2,6 +2,7 @@
 // with rounds of its ceiling.
 #include <cstdlib>
 
+#include "bench/granular_packing.hpp"
 #include "bench/harness.hpp"
 
 int main(int argc, char** argv) {
@@ -10,6 +11,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::AddCustomContext("isa_widest",
                               std::string(salvo::solver::name(salvo::solver::widest_isa())));
+  benchmark::AddCustomContext("contact", GranularScene::conditions());
   register_ceilings();
   register_baseline();
   register_particles();

@@ -77,7 +77,7 @@ std::span<const CommandEntry> commands() {
        "step, column and particle, and exits with 6. Scenes run at their [verify] size.",
        {{"--isa", "", "NAMES", "instruction sets to try, such as sse2,avx2; all by default", true},
         {"--threads", "", "LIST", "numbers of threads; 2,3,4,8,13 by default", true},
-        {"--pass", "", "LIST", "steps a pass; 7,64 by default", true},
+        {"--pass", "", "LIST", "steps a pass, unless particles touch; 7,64 by default", true},
         {"--full", "", "", "the scene at its own size"},
         set,
         json,

@@ -51,12 +51,13 @@ std::string upper_first(std::string text) {
 }  // namespace
 
 std::string Bounds::text(std::string_view unit) const {
-  constexpr double largest = std::numeric_limits<double>::max();
   const std::string low = with_unit(lowest, unit);
   const std::string high = with_unit(highest, unit);
   const char* over = above_lowest ? "more than " : "at least ";
-  if (lowest == -largest) return highest == largest ? "" : fmt::format("at most {}", high);
-  if (highest == largest) return over + low;
+  if (lowest == -largest_number) {
+    return highest == largest_number ? "" : fmt::format("at most {}", high);
+  }
+  if (highest == largest_number) return over + low;
   return above_lowest ? fmt::format("{}{} and at most {}", over, low, high)
                       : fmt::format("{} to {}", lowest, high);
 }
@@ -77,7 +78,10 @@ void Reader::wrong_type(const Value& value, const KeyText& key, std::string_view
 
 bool Reader::in_bounds(const Value& value, const KeyText& key, double number) {
   if (key.bounds.contain(number)) return true;
-  fail(value, named(key) + " is out of bounds", "expected " + key.bounds.text(key.stored));
+  fail(value, named(key) + " is out of bounds",
+       std::abs(number) > largest_number
+           ? fmt::format("expected at most {}: no number is larger", largest_number)
+           : "expected " + key.bounds.text(key.stored));
   return false;
 }
 

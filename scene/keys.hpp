@@ -12,7 +12,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,10 +28,13 @@
 
 namespace salvo::scene {
 
+/// In single precision a larger one would be infinite.
+inline constexpr double largest_number = 3.4e38;
+
 /// Accepted values of a number.
 struct Bounds {
-  double lowest = -std::numeric_limits<double>::max();
-  double highest = std::numeric_limits<double>::max();
+  double lowest = -largest_number;
+  double highest = largest_number;
   bool above_lowest = false;  ///< the lowest itself is refused
 
   bool contain(double value) const {
@@ -43,7 +45,7 @@ struct Bounds {
 };
 
 inline constexpr Bounds any_number{};
-inline constexpr Bounds positive{0, std::numeric_limits<double>::max(), true};
+inline constexpr Bounds positive{0, largest_number, true};
 inline constexpr Bounds not_negative{0};
 constexpr Bounds between(double lowest, double highest) { return {lowest, highest}; }
 constexpr Bounds at_least(double lowest) { return {lowest}; }

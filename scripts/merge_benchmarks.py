@@ -13,6 +13,7 @@ COLUMNS = (  # counter, heading, divisor
     ("rows_per_second", "M rows/s", 1e6),
     ("bytes_per_second", "GB/s", 1e9),
     ("fraction_of_ceiling", "of ceiling", 1),
+    ("steps_per_build", "steps/list", 1),
 )
 
 
@@ -47,6 +48,7 @@ def table(document):
 
 def main():
     document = merge(pathlib.Path(sys.argv[1]))
+    print("contact/ and its peer: " + document["context"]["contact"])
     print("\n".join(table(document)))
     if len(sys.argv) > 2:
         output = pathlib.Path(sys.argv[2])

@@ -105,24 +105,18 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
 }
 
 template <class T>
-void ContactMemory<T>::write(const std::vector<std::uint32_t>& entries,
-                             const std::vector<soa::Id>& owners, std::span<const soa::Id> ids,
-                             soa::Table& contacts) const {
-  contacts.append(entries.size());
-  auto* partners = contacts.column<std::uint64_t>(index(ContactField::partner));
-  for (std::size_t pair = 0; pair < entries.size(); ++pair) {
-    const std::size_t entry = entries[pair];
-    const std::uint32_t partner = partner_[entry];
-    contacts.ids()[pair] = owners[pair];
-    partners[pair] =
-        (partner & wall_flag) != 0 ? soa::obstacle_partner(partner & ~wall_flag) : ids[partner];
-    for (std::size_t c = 0; c < 3; ++c) {
-      contacts.column<T>(index(ContactField::tangential_displacement), c)[pair] =
-          tangential_[3 * entry + c];
-      if (law_.rolls()) {
-        contacts.column<T>(index(ContactField::rolling_displacement), c)[pair] =
-            rolling_[3 * entry + c];
-      }
+void ContactMemory<T>::write(std::size_t entry, soa::Id id, std::span<const soa::Id> ids,
+                             soa::Table& contacts, std::size_t pair) const {
+  const std::uint32_t partner = partner_[entry];
+  contacts.ids()[pair] = id;
+  contacts.column<std::uint64_t>(index(ContactField::partner))[pair] =
+      (partner & wall_flag) != 0 ? soa::obstacle_partner(partner & ~wall_flag) : ids[partner];
+  for (std::size_t c = 0; c < 3; ++c) {
+    contacts.column<T>(index(ContactField::tangential_displacement), c)[pair] =
+        tangential_[3 * entry + c];
+    if (law_.rolls()) {
+      contacts.column<T>(index(ContactField::rolling_displacement), c)[pair] =
+          rolling_[3 * entry + c];
     }
   }
 }
@@ -177,7 +171,8 @@ void ContactMemory<T>::collect(const SlotLists& lists, const WallLists<T>& walls
 template <class T>
 void ContactMemory<T>::move_rows(const soa::Array<std::uint32_t>& source) {
   if (!law_.remembers()) return;
-  permute(parallel_, rows_, source, entries_, moved_);
+  soa::Array<Entries> moved;
+  permute(parallel_, rows_, source, entries_, moved);
 }
 
 template <class T>

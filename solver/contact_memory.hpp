@@ -36,18 +36,20 @@ class ContactMemory {
     const auto of_pair = [&](std::size_t row, std::uint32_t partner) {
       return (partner & wall_flag) != 0 || (partner > rank[row] && lives(row_of[partner]));
     };
-    std::vector<std::uint32_t> entries;
-    std::vector<soa::Id> owners;
-    for (std::size_t place = 0; place < ids.size(); ++place) {
-      const std::size_t row = row_of[place];
-      if (!lives(row)) continue;
-      for (std::uint32_t entry = entries_[row].first; entry < entries_[row].last; ++entry) {
-        if (!of_pair(row, partner_[entry])) continue;
-        entries.push_back(entry);
-        owners.push_back(ids[place]);
+    const auto for_pairs = [&](const auto& visit) {
+      for (std::size_t place = 0; place < ids.size(); ++place) {
+        const std::size_t row = row_of[place];
+        if (!lives(row)) continue;
+        for (std::uint32_t entry = entries_[row].first; entry < entries_[row].last; ++entry) {
+          if (of_pair(row, partner_[entry])) visit(ids[place], entry);
+        }
       }
-    }
-    write(entries, owners, ids, contacts);
+    };
+    std::size_t pairs = 0;
+    for_pairs([&](soa::Id, std::uint32_t) { ++pairs; });
+    contacts.append(pairs);
+    std::size_t pair = 0;
+    for_pairs([&](soa::Id id, std::uint32_t entry) { write(entry, id, ids, contacts, pair++); });
   }
 
   /// Moves all out of the lists, in the order of the rows; nothing where it is there already.
@@ -58,9 +60,8 @@ class ContactMemory {
   /// Puts it into new lists.
   void recall(const SlotLists& lists, WallLists<T>& walls, const soa::Array<std::uint32_t>& rank);
   /// Gives back what was collected: the lists, which have not changed since, have it all.
-  void release() {
+  void release_collected() {
     entries_.release();
-    moved_.release();
     partner_.release();
     tangential_.release();
     rolling_.release();
@@ -100,8 +101,8 @@ class ContactMemory {
   void share_out();
   void recall_row(const SlotLists& lists, WallLists<T>& walls, const std::uint32_t* rank,
                   std::size_t group, std::size_t lane, std::uint32_t* entries);
-  void write(const std::vector<std::uint32_t>& entries, const std::vector<soa::Id>& owners,
-             std::span<const soa::Id> ids, soa::Table& contacts) const;
+  void write(std::size_t entry, soa::Id id, std::span<const soa::Id> ids, soa::Table& contacts,
+             std::size_t pair) const;
 
   const models::ContactLaw& law_;
   const Parallel& parallel_;
@@ -114,7 +115,6 @@ class ContactMemory {
   bool collected_ = false;
   std::size_t rows_ = 0;
   soa::Array<Entries> entries_;
-  soa::Array<Entries> moved_;          // room to put them in order
   soa::Array<std::uint32_t> partner_;  // rank, or wall_flag | part of a wall
   soa::Array<T> tangential_;           // three for each
   soa::Array<T> rolling_;

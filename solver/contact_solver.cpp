@@ -541,7 +541,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
     const auto alive = [this](std::size_t row) { return lives(row); };
     memory_.store({ids_, particles_}, rank_, row_of, alive, contacts);
   }
-  if (listed_) memory_.release();
+  if (listed_) memory_.release_collected();
 }
 
 }  // namespace

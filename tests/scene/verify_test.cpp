@@ -321,7 +321,10 @@ TEST(Verify, NamesThePairAndColumnOfADifferenceInWhatContactsRemember) {
           contacts.column<float>(tangential, 2)[row] += 1e-6F;
         });
       };
-      const VerifyResult result = scene::verify(scene, planted(on(axis), step, stretch));
+      const auto one = [=](const VerifyRun& run) {
+        return run.axis == axis && (axis != VerifyAxis::lists || run.value == "large cells");
+      };
+      const VerifyResult result = scene::verify(scene, planted(one, step, stretch));
       const Difference difference = differing_run(result).difference.value_or(Difference{});
       EXPECT_EQ(difference.step, step) << name(axis);
       EXPECT_TRUE(difference.exact()) << name(axis);
