@@ -43,6 +43,16 @@ class Column {
       std::memset(storage_.data() + first * element_size_, 0, (last - first) * element_size_);
     }
   }
+  /// Gives the storage back, with what is in it.
+  void release() {
+    if (storage_.size() == 0) return;
+    released_bytes_ = storage_.size();
+    storage_ = {};
+  }
+  /// Zero in every row that there was, once released.
+  void restore() {
+    if (storage_.size() == 0) storage_ = AlignedBytes(released_bytes_, skew_);
+  }
   std::byte* data() { return storage_.data(); }
   const std::byte* data() const { return storage_.data(); }
   std::size_t element_size() const { return element_size_; }
@@ -51,6 +61,7 @@ class Column {
  private:
   std::size_t element_size_ = 0;
   std::size_t skew_ = 0;
+  std::size_t released_bytes_ = 0;
   AlignedBytes storage_;
 };
 

@@ -114,6 +114,15 @@ void Table::sort_by_id() {
   });
 }
 
+void Table::release(std::size_t field) {
+  for (Column& column : columns_[field]) column.release();
+}
+
+void Table::restore(std::size_t field) {
+  if (!stored_[field]) return;
+  for (std::size_t c = 0; c < fields_[field].components; ++c) columns_[field][c].restore();
+}
+
 void Table::clear_padding() {
   for_each_column([&](Column& column) { column.clear_rows(rows_, padded_rows()); });
 }

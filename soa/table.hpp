@@ -35,8 +35,8 @@ class Table {
     uniform_[field] = narrow ? static_cast<double>(static_cast<float>(value)) : value;
   }
 
-  /// The column of a stored field's component; nullptr when the field is uniform. T must match the
-  /// field's scalar.
+  /// The column of a stored field's component; nullptr when the field is uniform or released. T
+  /// must match the field's scalar.
   template <class T>
   T* column(std::size_t field, std::size_t component = 0) {
     assert(sizeof(T) == size_of(fields_[field].scalar, precision_));
@@ -63,6 +63,11 @@ class Table {
   /// Orders the rows by ascending id; no work when they are.
   void sort_by_id();
   bool sorted_by_id() const;
+  /// Gives back the storage of a field, with what is in it. Until restore() nothing else is called
+  /// that reads, moves or adds rows.
+  void release(std::size_t field);
+  /// Zero in every row, where it was released.
+  void restore(std::size_t field);
   /// Zeroes the padding rows after the last row.
   void clear_padding();
   /// Bytes held, padding included.

@@ -55,6 +55,10 @@ class ContactMemory {
   /// Moves all out of the lists, in the order of the rows; nothing where it is there already.
   void collect(const SlotLists& lists, const WallLists<T>& walls,
                const soa::Array<std::uint32_t>& rank);
+  /// Gives back what the lists had, once it is collected and they are no longer used.
+  void release_listed() {
+    for (TaskHistory& history : history_) history.numbers = {};
+  }
   /// Follows rows that were moved, in between.
   void move_rows(const soa::Array<std::uint32_t>& source);
   /// Puts it into new lists.
@@ -81,11 +85,13 @@ class ContactMemory {
   struct TaskHistory {
     std::vector<T> numbers;  // columns
     std::size_t contacts = 0;
+    std::size_t room = 0;  // numbers that there has been room for
 
     void resize(std::size_t count, std::size_t columns) {
-      if (count * columns > numbers.capacity()) {
+      if (count * columns > room) room = columns * (count + count / 8 + 1);
+      if (numbers.capacity() < room) {
         numbers = {};
-        numbers.reserve(columns * (count + count / 8 + 1));
+        numbers.reserve(room);
       }
       numbers.resize(columns * count);
       contacts = count;

@@ -41,6 +41,12 @@ constexpr std::array<BudgetColumn, 5> budget_columns{{{ParticleField::damping_lo
                                                       {ParticleField::contact_impulse, 1},
                                                       {ParticleField::contact_impulse, 2}}};
 
+// The fields that steps change, but for deaths, which the world watches.
+constexpr std::array stepped_fields{ParticleField::position,       ParticleField::residual,
+                                    ParticleField::velocity,       ParticleField::angular_velocity,
+                                    ParticleField::damping_loss,   ParticleField::friction_loss,
+                                    ParticleField::contact_impulse};
+
 // Two come nearer by twice what each goes. A path is a sum of rounded lengths: in as many steps as
 // a list is used it is short by less than a thousandth.
 constexpr double covered = 0.499;
@@ -393,6 +399,7 @@ void Solver<T>::build_lists() {
     margin_ = wanted.inner;
     forget_paths();
   } else {
+    memory_.release_listed();
     sort_rows();
   }
   const Stopwatch watch(profile_.list_seconds);
@@ -429,7 +436,8 @@ void Solver<T>::sort_rows() {
     lists_.look_in_order(see);
     // Where the next state goes, nobody looks before it is there.
     lists_.build(outer_margin_ + rounding_, rank_.data(),
-                 std::as_writable_bytes(std::span(motions_[1].data(), rows_)));
+                 {std::as_writable_bytes(std::span(places_[1].data(), rows_)),
+                  std::as_writable_bytes(std::span(motions_[1].data(), rows_))});
   }
   const Stopwatch watch(profile_.sort_seconds);
   move_rows();
@@ -505,6 +513,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   lists_.release_outer();
   outer_path_ = std::numeric_limits<double>::infinity();
   memory_.collect(lists_.inner(), wall_lists_, rank_);
+  for (const ParticleField field : stepped_fields) particles.restore(index(field));
   const auto column = [&](ParticleField field, std::size_t c = 0) {
     return particles.column<T>(index(field), c);
   };
@@ -553,6 +562,10 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Setup& setup, Isa isa,
     return std::make_unique<Solver<float>>(setup, isa, tuning, parallel);
   }
   return std::make_unique<Solver<double>>(setup, isa, tuning, parallel);
+}
+
+void release_stored(soa::Table& particles) {
+  for (const ParticleField field : stepped_fields) particles.release(index(field));
 }
 
 bool remembers_contacts(const Setup& setup) {

@@ -50,7 +50,7 @@ class ContactSolver {
   virtual ~ContactSolver() = default;
 
   /// Takes over particles sorted by id, and the contacts between them. The ids stay where they are
-  /// until store().
+  /// until store(), which needs nothing else of the tables.
   virtual void load(const soa::Table& particles, const soa::Table& contacts) = 0;
   /// One step, from `step`. `instants` are the coefficients of its forces. Returns the rows that
   /// went bad, by id; with `remove` they are gone.
@@ -83,6 +83,8 @@ bool remembers_contacts(const Setup& setup);
 std::uint64_t contact_solver_bytes(const Setup& setup, std::uint64_t particles);
 /// Bytes of a table of the contacts of so many particles in a dense pile.
 std::uint64_t contact_table_bytes(const Setup& setup, std::uint64_t particles);
+/// Gives back the columns of a table that was loaded, as far as store() fills them again.
+void release_stored(soa::Table& particles);
 /// An empty table of contacts for the set-up.
 soa::Table empty_contacts(const Setup& setup);
 

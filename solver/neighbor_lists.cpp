@@ -79,9 +79,9 @@ void NeighborLists::sort(double margin, double cell_scale) {
   grid_.build(sights(), rows_, margin, cell_scale, parallel_);
 }
 
-void NeighborLists::build(double margin, const std::uint32_t* rank, std::span<std::byte> room) {
+void NeighborLists::build(double margin, const std::uint32_t* rank, const Rooms& rooms) {
   // What a stage leaves behind is given back before the next one allocates.
-  room_ = room;
+  rooms_ = rooms;
   list_rows(margin);
   for (auto& column : search_) column.release();
   place_rows(rank);
@@ -91,16 +91,23 @@ void NeighborLists::build(double margin, const std::uint32_t* rank, std::span<st
   place_.release();
   raw_count_.release();
   raw_first_.release();
-  room_ = {};
+  rooms_ = {};
 }
 
 NeighborLists::RawLists NeighborLists::raw_lists(std::size_t task) {
-  const std::size_t each = room_.size() / rows_;  // bytes of a row
-  const std::size_t first = task * listed_rows;
-  const std::size_t bytes = (std::min(rows_, first + listed_rows) - first) * each;
-  return {{reinterpret_cast<std::uint32_t*>(room_.data() + first * each),
-           bytes / sizeof(std::uint32_t)},
-          &long_lists_[task]};
+  // All tasks have the same share. The rooms end with what is too small for one.
+  const std::size_t share = (rooms_[0].size() + rooms_[1].size()) / rows_ * listed_rows;
+  std::size_t before = 0;
+  for (const std::span<std::byte> room : rooms_) {
+    const std::size_t shares = room.size() / share;
+    if (task < before + shares) {
+      std::byte* const first = room.data() + (task - before) * share;
+      return {{reinterpret_cast<std::uint32_t*>(first), share / sizeof(std::uint32_t)},
+              &long_lists_[task]};
+    }
+    before += shares;
+  }
+  return {{}, &long_lists_[task]};
 }
 
 void NeighborLists::list_rows(double margin) {

@@ -9,6 +9,7 @@
 // the outer lists the inner ones, of a narrow margin, which the steps read.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -67,9 +68,10 @@ class NeighborLists {
   void look_in_order(const See& see) {
     take(see, [this](std::size_t i) { return grid_.order()[i]; });
   }
-  /// The outer lists. `rank` is the place by id of every old row. `room`, of as many bytes for each
-  /// row as there are, is written to.
-  void build(double margin, const std::uint32_t* rank, std::span<std::byte> room);
+  /// Memory that nobody else needs for a while.
+  using Rooms = std::array<std::span<std::byte>, 2>;
+  /// The outer lists. `rank` is the place by id of every old row. The rooms are written to.
+  void build(double margin, const std::uint32_t* rank, const Rooms& rooms);
   /// Old row of each new row.
   const soa::Array<std::uint32_t>& source() const { return source_; }
   /// Puts the place by id of each new row in place of the old.
@@ -134,9 +136,9 @@ class NeighborLists {
   CellGrid grid_;
   soa::Array<double> search_[4];
   soa::Array<NewPlace> place_;  // of each row in the order of the cells
-  // Lists as they were found, rows in the order of the cells: in the room that is lent, and those
+  // Lists as they were found, rows in the order of the cells: in the rooms that are lent, and those
   // of tasks whose lists are too long for that.
-  std::span<std::byte> room_;
+  Rooms rooms_;
   std::vector<std::vector<std::uint32_t>> long_lists_;
   soa::Array<std::uint32_t> raw_count_;
   soa::Array<std::uint32_t> raw_first_;  // within its task

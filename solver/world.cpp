@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "models/particle.hpp"
 #include "solver/floating_point_environment.hpp"
@@ -339,9 +340,11 @@ void World::advance_contacts(std::int64_t steps) {
     contact_solver_->load(particles_, contacts_);
     in_contact_solver_ = true;
   }
-  // It has them now; a look at the state fills the table again.
-  if (settled_ && contacts_.rows() > 0) contacts_ = empty_contacts(setup_);
-  settled_ = false;
+  // It has them now; a look at the state fills the tables again.
+  if (std::exchange(settled_, false)) {
+    release_stored(particles_);
+    if (contacts_.rows() > 0) contacts_ = empty_contacts(setup_);
+  }
   for (const std::int64_t end = step_ + steps; step_ < end; ++step_) {
     const bool deaths = next_death_ <= step_ + 1;
     const std::uint64_t before = contact_solver_->steps_taken();

@@ -205,6 +205,28 @@ TEST(Table, CountsTheBytesOfItsColumns) {
   EXPECT_EQ(single.resident_bytes(), 4160U * (8 + 20 * 4 + 3 * 4));  // reserved is enough
 }
 
+TEST(Table, GivesBackTheStorageOfAFieldAndTakesItAgain) {
+  Table table(fields, Precision::float32, {true, true, false, true, true});
+  table.reserve(300);
+  const std::size_t bytes = table.resident_bytes();
+  table.append(65);
+  for (std::size_t row = 0; row < 65; ++row) {
+    table.ids()[row] = row;
+    table.column<float>(1, 2)[row] = 7;
+    table.column<std::int32_t>(3)[row] = 8;
+  }
+  for (const std::size_t field : {1U, 2U}) table.release(field);  // 2 has none
+  EXPECT_EQ(table.column<float>(1, 2), nullptr);
+  EXPECT_EQ(table.resident_bytes(), bytes - 320U * 3 * 4);
+  for (const std::size_t field : {1U, 1U, 2U}) table.restore(field);
+  EXPECT_EQ(table.resident_bytes(), bytes);  // what was reserved, too
+  for (std::size_t row = 0; row < 65; ++row) {
+    EXPECT_EQ(table.ids()[row], row);
+    EXPECT_EQ(table.column<float>(1, 2)[row], 0);
+    EXPECT_EQ(table.column<std::int32_t>(3)[row], 8);
+  }
+}
+
 TEST(Table, KeepsColumnsWhereTheyAreWithinTheReserve) {
   Table table(fields, Precision::float64, all_stored);
   table.reserve(300);
