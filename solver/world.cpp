@@ -564,6 +564,7 @@ void World::restore(std::int64_t step, soa::Table particles, ContactTally tally,
                     std::uint64_t removed, std::optional<soa::Table> contacts) {
   step_ = step;
   in_contact_solver_ = false;
+  settled_ = true;
   any_gone_ = false;
   particles_ = std::move(particles);
   particles_.sort_by_id();
