@@ -41,10 +41,12 @@ std::string profile_text(const RunProfile& profile) {
                     ratio(static_cast<double>(contacts->list_slots), listed)));
     add("  sorting by cells", contacts->sort_seconds,
         fmt::format("every {:.3g} steps", ratio(contacts->steps, contacts->sorts)));
-    add("  to and from tables", contacts->transfer_seconds);
   }
   add("recording", profile.recording);
   add("  waiting for files", profile.waiting);
+  if (const solver::ContactProfile* contacts = profile.world.contact_profile()) {
+    add("to and from tables", contacts->transfer_seconds, "of both");
+  }
   text.pop_back();
   return text;
 }

@@ -3,6 +3,7 @@
 // inert, never counted, never hashed.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <utility>
@@ -37,6 +38,13 @@ class Column {
     AlignedBytes larger(bytes, skew_);
     if (storage_.size() != 0) std::memcpy(larger.data(), storage_.data(), storage_.size());
     storage_ = std::move(larger);
+  }
+  /// Room for rows from `first` to `last`, which are zero.
+  void extend(std::size_t first, std::size_t last) {
+    // What is new is zero already: pages that nobody writes to are not there yet.
+    const std::size_t used_before = storage_.size() / element_size_;
+    reserve(last);
+    clear_rows(first, std::min(last, used_before));
   }
   void clear_rows(std::size_t first, std::size_t last) {
     if (first < last) {

@@ -48,8 +48,7 @@ void Table::reserve(std::size_t rows) {
 
 std::size_t Table::append(std::size_t rows) {
   const std::size_t first = rows_;
-  reserve(rows_ + rows);
-  for_each_column([&](Column& column) { column.clear_rows(first, padded(first + rows)); });
+  for_each_column([&](Column& column) { column.extend(first, padded(first + rows)); });
   rows_ += rows;
   return first;
 }

@@ -31,9 +31,9 @@ struct SearchColumns {
 
 /// The coordinate that cells are told: the same but for what is so far away that differences may
 /// overflow, which seems to be nearer. Those that are near each other stay so.
+inline constexpr double farthest_cell = 1e300;
 inline double seen_by_cells(double coordinate) {
-  constexpr double farthest = 1e300;
-  return std::clamp(coordinate, -farthest, farthest);
+  return std::clamp(coordinate, -farthest_cell, farthest_cell);
 }
 
 /// Cells across a bar.

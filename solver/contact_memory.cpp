@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "soa/contact_fields.hpp"
+#include "solver/contact_rows.hpp"
 
 namespace salvo::solver {
 
@@ -105,20 +106,52 @@ void ContactMemory<T>::load(const soa::Table& contacts, std::span<const soa::Id>
 }
 
 template <class T>
-void ContactMemory<T>::write(std::size_t entry, soa::Id id, std::span<const soa::Id> ids,
-                             soa::Table& contacts, std::size_t pair) const {
-  const std::uint32_t partner = partner_[entry];
-  contacts.ids()[pair] = id;
-  contacts.column<std::uint64_t>(index(ContactField::partner))[pair] =
-      (partner & wall_flag) != 0 ? soa::obstacle_partner(partner & ~wall_flag) : ids[partner];
+void ContactMemory<T>::store(std::span<const soa::Id> ids, std::span<const std::uint32_t> row_of,
+                             std::span<const std::uint8_t> lives, soa::Table& contacts) const {
+  // Calls visit(task, place, entry) where a place speaks for a pair, tasks beside each other.
+  const auto for_pairs = [&](const auto& visit) {
+    for_rows(parallel_, ids.size(), [&](std::size_t first, std::size_t last) {
+      for (std::size_t place = first; place < last; ++place) {
+        if (lives[place] == 0) continue;
+        const Entries own = entries_[row_of[place]];
+        for (std::uint32_t entry = own.first; entry < own.last; ++entry) {
+          const std::uint32_t partner = partner_[entry];
+          const bool wall = (partner & wall_flag) != 0;
+          if (wall || (partner > place && lives[partner] != 0)) {
+            visit(first / rows_per_task, place, entry);
+          }
+        }
+      }
+    });
+  };
+  std::vector<std::size_t> next_pair(tasks_of(ids.size(), rows_per_task));
+  for_pairs([&](std::size_t task, std::size_t, std::uint32_t) { ++next_pair[task]; });
+  std::size_t pairs = 0;
+  for (std::size_t& next : next_pair) pairs += std::exchange(next, pairs);
+  contacts.append(pairs);
+
+  const auto column = [&](ContactField field, std::size_t c) {
+    return contacts.column<T>(index(field), c);
+  };
+  soa::Id* const id = contacts.ids();
+  auto* const partner_id = contacts.column<std::uint64_t>(index(ContactField::partner));
+  std::array<T*, 3> tangential{};
+  std::array<T*, 3> rolling{};
   for (std::size_t c = 0; c < 3; ++c) {
-    contacts.column<T>(index(ContactField::tangential_displacement), c)[pair] =
-        tangential_[3 * entry + c];
-    if (law_.rolls()) {
-      contacts.column<T>(index(ContactField::rolling_displacement), c)[pair] =
-          rolling_[3 * entry + c];
-    }
+    tangential[c] = column(ContactField::tangential_displacement, c);
+    rolling[c] = column(ContactField::rolling_displacement, c);
   }
+  for_pairs([&](std::size_t task, std::size_t place, std::uint32_t entry) {
+    const std::size_t pair = next_pair[task]++;
+    const std::uint32_t partner = partner_[entry];
+    const bool wall = (partner & wall_flag) != 0;
+    id[pair] = ids[place];
+    partner_id[pair] = wall ? soa::obstacle_partner(partner & ~wall_flag) : ids[partner];
+    for (std::size_t c = 0; c < 3; ++c) {
+      tangential[c][pair] = tangential_[3 * std::size_t{entry} + c];
+      if (rolling[c]) rolling[c][pair] = rolling_[3 * std::size_t{entry} + c];
+    }
+  });
 }
 
 // ---- from lists to rows and back ----------------------------------------------------------------

@@ -27,30 +27,10 @@ class ContactMemory {
   /// Takes over a table of contacts, sorted by ids, between rows that are sorted by `ids`. Throws
   /// std::invalid_argument where they are not, or one is of a particle that is not there.
   void load(const soa::Table& contacts, std::span<const soa::Id> ids, std::size_t rows);
-  /// Appends the contacts of the rows that live to an empty table. `rank` is the place by id of
-  /// each row, `row_of` the reverse.
-  template <class Lives>
-  void store(std::span<const soa::Id> ids, const soa::Array<std::uint32_t>& rank,
-             const std::vector<std::uint32_t>& row_of, const Lives& lives,
-             soa::Table& contacts) const {
-    const auto of_pair = [&](std::size_t row, std::uint32_t partner) {
-      return (partner & wall_flag) != 0 || (partner > rank[row] && lives(row_of[partner]));
-    };
-    const auto for_pairs = [&](const auto& visit) {
-      for (std::size_t place = 0; place < ids.size(); ++place) {
-        const std::size_t row = row_of[place];
-        if (!lives(row)) continue;
-        for (std::uint32_t entry = entries_[row].first; entry < entries_[row].last; ++entry) {
-          if (of_pair(row, partner_[entry])) visit(ids[place], entry);
-        }
-      }
-    };
-    std::size_t pairs = 0;
-    for_pairs([&](soa::Id, std::uint32_t) { ++pairs; });
-    contacts.append(pairs);
-    std::size_t pair = 0;
-    for_pairs([&](soa::Id id, std::uint32_t entry) { write(entry, id, ids, contacts, pair++); });
-  }
+  /// Appends the contacts of the rows that live to an empty table. `row_of` is the row of each
+  /// place by id, and `lives` says who does.
+  void store(std::span<const soa::Id> ids, std::span<const std::uint32_t> row_of,
+             std::span<const std::uint8_t> lives, soa::Table& contacts) const;
 
   /// Moves all out of the lists, in the order of the rows; nothing where it is there already.
   void collect(const SlotLists& lists, const WallLists<T>& walls,
@@ -107,8 +87,6 @@ class ContactMemory {
   void share_out();
   void recall_row(const SlotLists& lists, WallLists<T>& walls, const std::uint32_t* rank,
                   std::size_t group, std::size_t lane, std::uint32_t* entries);
-  void write(std::size_t entry, soa::Id id, std::span<const soa::Id> ids, soa::Table& contacts,
-             std::size_t pair) const;
 
   const models::ContactLaw& law_;
   const Parallel& parallel_;

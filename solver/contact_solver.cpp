@@ -403,7 +403,12 @@ void Solver<T>::build_lists() {
     sort_rows();
   }
   const Stopwatch watch(profile_.list_seconds);
-  lists_.prune(places_[0].data(), margin_ + rounding_);
+  if (!reached && outer_margin_ <= margin_) {
+    lists_.take_outer();
+    outer_path_ = std::numeric_limits<double>::infinity();  // nothing is left to be pruned
+  } else {
+    lists_.prune(places_[0].data(), margin_ + rounding_);
+  }
   find_wall_parts([this](std::size_t row) { return sight(row); }, rows_, walls_,
                   margin_ + rounding_, parallel_, wall_lists_);
   wall_lists_.make_room(law());
@@ -523,11 +528,13 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   }
   auto* death = particles.column<std::int32_t>(index(ParticleField::death));
   std::vector<std::uint32_t> row_of(particles_);
+  std::vector<std::uint8_t> alive(particles_);
   for_rows([&](std::size_t first, std::size_t last) {
     for (std::size_t row = first; row < last; ++row) {
       const std::size_t rank = rank_[row];
       if (rank >= particles_) continue;
       row_of[rank] = static_cast<std::uint32_t>(row);
+      alive[rank] = lives(row) ? 1 : 0;
       const Place& place = places_[0][row];
       const Motion& motion = motions_[0][row];
       const auto write = [&](ParticleField field, const T* from) {
@@ -547,8 +554,7 @@ void Solver<T>::store(soa::Table& particles, soa::Table& contacts) {
   });
   contacts = empty_contacts(setup_);
   if (law().remembers()) {
-    const auto alive = [this](std::size_t row) { return lives(row); };
-    memory_.store({ids_, particles_}, rank_, row_of, alive, contacts);
+    memory_.store({ids_, particles_}, row_of, alive, contacts);
   }
   if (listed_) memory_.release_collected();
 }

@@ -11,10 +11,12 @@
 #include "kernels/sphere_contact.hpp"
 #include "models/sweep.hpp"
 #include "models/triangle_mesh.hpp"
+#include "soa/array.hpp"
 #include "soa/contact_fields.hpp"
 #include "soa/particle_fields.hpp"
 #include "solver/cell_grid.hpp"
 #include "solver/contact_pass.hpp"
+#include "solver/contact_rows.hpp"
 #include "solver/reduction.hpp"
 #include "solver/walls.hpp"
 #include "solver/world.hpp"
@@ -27,11 +29,8 @@ using soa::ParticleField;
 using S = kernels::ScalarLane<double>;
 using Vec = kernels::Vec3<S>;
 
-constexpr std::size_t rows_per_task = 4096;
 // Rows of neighboring cells that look for walls together.
 constexpr std::size_t rows_per_look = 16;
-
-std::size_t tasks_of(std::size_t rows) { return (rows + rows_per_task - 1) / rows_per_task; }
 
 template <class Field>
 constexpr std::size_t index(Field field) {
@@ -83,15 +82,6 @@ class Places {
             position_.z[row] + residual_.z[row]};
   }
   double radius(std::size_t row) const { return radius_[row]; }
-  /// Positive where two particles overlap, m.
-  double overlap(std::size_t a, std::size_t b) const {
-    const auto p = center(a);
-    const auto q = center(b);
-    const double x = p[0] - q[0];
-    const double y = p[1] - q[1];
-    const double z = p[2] - q[2];
-    return radius(a) + radius(b) - root(x * x + y * y + z * z);
-  }
 
  private:
   Vectors position_;
@@ -152,18 +142,19 @@ class Search {
   }
 
   /// Calls visit(task, row, overlaps) for every row: particles by ascending id, then walls by
-  /// ascending part. Tasks run beside each other.
-  template <class Visit>
-  void for_each_row(const Visit& visit) const {
-    parallel_.for_each(tasks(), [&](std::size_t task) {
+  /// ascending part. Of the particles those for which counts(row, partner). Tasks run beside each
+  /// other.
+  template <class Counts, class Visit>
+  void for_each_row(const Counts& counts, const Visit& visit) const {
+    for_rows(parallel_, grid_.members(), [&](std::size_t first_of_task, std::size_t last) {
+      const std::size_t task = first_of_task / rows_per_task;
       std::vector<std::uint32_t> near(64);
       std::vector<std::uint32_t> near_walls;
       std::vector<Overlap> overlaps;
-      const std::size_t last = std::min(grid_.members(), (task + 1) * rows_per_task);
-      for (std::size_t first = task * rows_per_task; first < last; first += rows_per_look) {
+      for (std::size_t first = first_of_task; first < last; first += rows_per_look) {
         const std::size_t end = std::min(last, first + rows_per_look);
-        std::array<std::uint32_t, rows_per_look> counts;
-        list(first, end, near, counts.data());
+        std::array<std::uint32_t, rows_per_look> listed;
+        list(first, end, near, listed.data());
         Bounds bounds;
         for (std::size_t i = first; i < end; ++i) {
           bounds.add({columns_[0][i], columns_[1][i], columns_[2][i]}, columns_[3][i]);
@@ -174,9 +165,10 @@ class Search {
         for (std::size_t i = first; i < end; ++i) {
           const std::size_t row = grid_.order()[i];
           overlaps.clear();
-          for (const std::uint32_t* to = from + counts[i - first]; from < to; ++from) {
+          for (const std::uint32_t* to = from + listed[i - first]; from < to; ++from) {
             const std::uint32_t other = grid_.order()[*from];
-            const double depth = places_.overlap(row, other);
+            if (!counts(row, other)) continue;
+            const double depth = overlap(i, *from);
             if (depth > 0) overlaps.push_back({other, false, depth});
           }
           std::sort(overlaps.begin(), overlaps.end(),  // exact-set: ids are unique
@@ -184,8 +176,7 @@ class Search {
                       return ids_[a.partner] < ids_[b.partner];
                     });
           for (const std::uint32_t part : near_walls) {
-            const double depth =
-                wall_overlap(walls_, part, places_.center(row), places_.radius(row)).depth;
+            const double depth = wall_overlap(walls_, part, center(i), columns_[3][i]).depth;
             if (depth > 0) overlaps.push_back({part, true, depth});
           }
           visit(task, row, std::span<const Overlap>(overlaps));
@@ -193,7 +184,7 @@ class Search {
       }
     });
   }
-  std::size_t tasks() const { return tasks_of(rows_); }
+  std::size_t tasks() const { return tasks_of(rows_, rows_per_task); }
 
  private:
   static constexpr std::size_t room_of_a_pack = 16;
@@ -212,11 +203,28 @@ class Search {
     }
   }
 
+  // Of the i-th in the order of the cells; cells know no place beyond the farthest.
+  std::array<double, 3> center(std::size_t i) const {
+    const std::array<double, 3> seen{columns_[0][i], columns_[1][i], columns_[2][i]};
+    for (const double coordinate : seen) {
+      if (std::abs(coordinate) >= farthest_cell) return places_.center(grid_.order()[i]);
+    }
+    return seen;
+  }
+  // Positive where two particles overlap, m.
+  double overlap(std::size_t i, std::size_t j) const {
+    const auto a = center(i);
+    const auto b = center(j);
+    const double x = a[0] - b[0];
+    const double y = a[1] - b[1];
+    const double z = a[2] - b[2];
+    return columns_[3][i] + columns_[3][j] - root(x * x + y * y + z * z);
+  }
+
   template <class RowAt>
   void fill(const RowAt& row_at) {
-    parallel_.for_each(tasks(), [&](std::size_t task) {
-      const std::size_t last = std::min(rows_, (task + 1) * rows_per_task);
-      for (std::size_t i = task * rows_per_task; i < last; ++i) {
+    for_rows(parallel_, rows_, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
         const std::size_t row = row_at(i);
         const auto center = places_.center(row);
         bool inside = true;
@@ -255,7 +263,7 @@ class Search {
   const ContactKernels& kernels_;
   const Parallel& parallel_;
   const std::size_t rows_;
-  std::array<std::vector<double>, 4> columns_;
+  std::array<soa::Array<double>, 4> columns_;  // in the order of the cells
   static constexpr double most = std::numeric_limits<double>::max();
   std::array<double, 3> lowest_{-most, -most, -most};
   std::array<double, 3> highest_{most, most, most};
@@ -305,32 +313,40 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
   const Walls walls = walls_at(setup, time);
   const Places places(particles);
   ContactDiagnostics d;
-  std::vector<double> sums(rows);
+  const auto zeros = [rows] {
+    soa::Array<double> column;
+    column.resize(rows);
+    return column;
+  };
+  const auto sum_of_rows = [rows](const soa::Array<double>& column) {
+    return fixed_order_sum({column.data(), rows});
+  };
+  soa::Array<double> sums = zeros();
   {
-    std::vector<double> relative(rows);
-    std::vector<double> elastic(rows);
+    soa::Array<double> relative = zeros();
+    soa::Array<double> elastic = zeros();
     Extremes all;
     {
       const Search search(particles, walls, isa, parallel);
       std::vector<Extremes> extremes(search.tasks());
-      search.for_each_row([&](std::size_t task, std::size_t row,
-                              std::span<const Overlap> overlaps) {
-        Extremes& most = extremes[task];
-        for (const Overlap& overlap : overlaps) {
-          // The lower id speaks for a pair; rows are in the order of the ids.
-          if (!overlap.wall && overlap.partner < row) continue;
-          const double own = places.radius(row);
-          const double other = overlap.wall ? own : places.radius(overlap.partner);
-          const double share = overlap.depth / std::min(own, other);
-          ++(overlap.wall ? most.walls : most.pairs);
-          most.overlap = std::max(most.overlap, overlap.depth);
-          most.relative = std::max(most.relative, share);
-          sums[row] += overlap.depth;
-          relative[row] += share;
-          elastic[row] +=
-              elastic_energy(law, overlap.depth, overlap.wall ? own : effective_radius(own, other));
-        }
-      });
+      // The lower id speaks for a pair; rows are in the order of the ids.
+      const auto speaks = [](std::size_t row, std::size_t partner) { return row < partner; };
+      search.for_each_row(
+          speaks, [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+            Extremes& most = extremes[task];
+            for (const Overlap& overlap : overlaps) {
+              const double own = places.radius(row);
+              const double other = overlap.wall ? own : places.radius(overlap.partner);
+              const double share = overlap.depth / std::min(own, other);
+              ++(overlap.wall ? most.walls : most.pairs);
+              most.overlap = std::max(most.overlap, overlap.depth);
+              most.relative = std::max(most.relative, share);
+              sums[row] += overlap.depth;
+              relative[row] += share;
+              elastic[row] += elastic_energy(law, overlap.depth,
+                                             overlap.wall ? own : effective_radius(own, other));
+            }
+          });
       for (const Extremes& most : extremes) {
         all.pairs += most.pairs;
         all.walls += most.walls;
@@ -347,15 +363,15 @@ ContactDiagnostics diagnose_contacts(const Setup& setup, double time, const soa:
       d.mean_coordination = 2 * static_cast<double>(all.pairs) / static_cast<double>(rows);
     }
     if (contacts_found > 0) {
-      d.mean_overlap = fixed_order_sum(sums) / static_cast<double>(contacts_found);
-      d.mean_relative_overlap = fixed_order_sum(relative) / static_cast<double>(contacts_found);
+      d.mean_overlap = sum_of_rows(sums) / static_cast<double>(contacts_found);
+      d.mean_relative_overlap = sum_of_rows(relative) / static_cast<double>(contacts_found);
     }
-    d.elastic_energy = fixed_order_sum(elastic);
+    d.elastic_energy = sum_of_rows(elastic);
   }
 
   const auto sum_of = [&](const auto& value) {
     for (std::size_t row = 0; row < rows; ++row) sums[row] = value(row);
-    return fixed_order_sum(sums);
+    return sum_of_rows(sums);
   };
   if (law.turns()) {
     const Values mass(particles, index(ParticleField::mass));
@@ -398,23 +414,24 @@ BirthOverlaps find_birth_overlaps(const Setup& setup, double time, const soa::Ta
     }
     kept.pairs = pairs;
   };
-  search.for_each_row([&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
-    for (const Overlap& overlap : overlaps) {
-      const double own = places.radius(row);
-      if (overlap.wall) {
-        const double share = overlap.depth / own;
-        if (row < first_row || share <= tolerance) continue;
-        keep_worse(found[task], {1, share, ids[row], 0, walls.obstacle(overlap.partner)});
-      } else {
-        const double share = overlap.depth / std::min(own, places.radius(overlap.partner));
-        if (std::max<std::size_t>(row, overlap.partner) < first_row || share <= tolerance ||
-            ids[overlap.partner] < ids[row]) {
-          continue;
+  const auto speaks = [&](std::size_t row, std::size_t partner) {
+    return std::max(row, partner) >= first_row && ids[row] < ids[partner];
+  };
+  search.for_each_row(
+      speaks, [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+        for (const Overlap& overlap : overlaps) {
+          const double own = places.radius(row);
+          if (overlap.wall) {
+            const double share = overlap.depth / own;
+            if (row < first_row || share <= tolerance) continue;
+            keep_worse(found[task], {1, share, ids[row], 0, walls.obstacle(overlap.partner)});
+          } else {
+            const double share = overlap.depth / std::min(own, places.radius(overlap.partner));
+            if (share <= tolerance) continue;
+            keep_worse(found[task], {1, share, ids[row], ids[overlap.partner], std::nullopt});
+          }
         }
-        keep_worse(found[task], {1, share, ids[row], ids[overlap.partner], std::nullopt});
-      }
-    }
-  });
+      });
   BirthOverlaps all;
   for (const BirthOverlaps& part : found) keep_worse(all, part);
   return all;
@@ -447,17 +464,19 @@ bool move_apart(const Setup& setup, double time, soa::Table& particles, std::siz
   for (int round = 0; round < most_rounds; ++round) {
     const Search search(particles, walls, isa, parallel, first_row);
     std::vector<std::uint8_t> too_deep(search.tasks());
-    search.for_each_row([&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
-      overlapped[row] = static_cast<std::uint32_t>(overlaps.size());
-      if (row < first_row) return;
-      for (const Overlap& overlap : overlaps) {
-        const double own = places.radius(row);
-        const double other = overlap.wall ? own : places.radius(overlap.partner);
-        if (overlap.depth > tolerance * std::min(own, other)) too_deep[task] = 1;
-      }
-    });
+    const auto all = [](std::size_t, std::size_t) { return true; };
+    search.for_each_row(
+        all, [&](std::size_t task, std::size_t row, std::span<const Overlap> overlaps) {
+          overlapped[row] = static_cast<std::uint32_t>(overlaps.size());
+          if (row < first_row) return;
+          for (const Overlap& overlap : overlaps) {
+            const double own = places.radius(row);
+            const double other = overlap.wall ? own : places.radius(overlap.partner);
+            if (overlap.depth > tolerance * std::min(own, other)) too_deep[task] = 1;
+          }
+        });
     if (std::find(too_deep.begin(), too_deep.end(), 1) == too_deep.end()) return true;
-    search.for_each_row([&](std::size_t, std::size_t row, std::span<const Overlap> overlaps) {
+    search.for_each_row(all, [&](std::size_t, std::size_t row, std::span<const Overlap> overlaps) {
       if (row < first_row) return;
       const auto center = places.center(row);
       Vec shift{S(0), S(0), S(0)};
@@ -482,9 +501,8 @@ bool move_apart(const Setup& setup, double time, soa::Table& particles, std::siz
       moved[row - first_row] = {center[0] + shift.x.value(), center[1] + shift.y.value(),
                                 center[2] + shift.z.value()};
     });
-    parallel.for_each(tasks_of(moved.size()), [&](std::size_t task) {
-      const std::size_t last = std::min(moved.size(), (task + 1) * rows_per_task);
-      for (std::size_t i = task * rows_per_task; i < last; ++i) {
+    for_rows(parallel, moved.size(), [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
         if (particles.precision() == soa::Precision::float32) {
           write_place<float>(particles, first_row + i, moved[i]);
         } else {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
 namespace salvo::solver {
@@ -87,6 +88,7 @@ void NeighborLists::build(double margin, const std::uint32_t* rank, const Rooms&
   place_rows(rank);
   grid_.release();
   lay_out();
+  outer_entries_ = std::accumulate(raw_count_.data(), raw_count_.data() + rows_, std::uint64_t{0});
   long_lists_ = {};
   place_.release();
   raw_count_.release();
@@ -302,6 +304,12 @@ void NeighborLists::prune_group(std::size_t group) {
       next[row] += group_rows;
     }
   }
+}
+
+void NeighborLists::take_outer() {
+  inner_.first_slot.swap(outer_.first_slot);
+  inner_.neighbor.swap(outer_.neighbor);
+  entries_ = outer_entries_;
 }
 
 template void NeighborLists::prune(const SpherePlace<float>*, double);

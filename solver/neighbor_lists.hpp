@@ -80,6 +80,8 @@ class NeighborLists {
   /// The inner lists, of rows that are where `places` says.
   template <class T>
   void prune(const SpherePlace<T>* places, double margin);
+  /// The outer lists themselves become the inner ones, where one margin is as good as two.
+  void take_outer();
   const SlotLists& inner() const { return inner_; }
   std::uint64_t inner_entries() const { return entries_; }
 
@@ -128,6 +130,7 @@ class NeighborLists {
   std::size_t rows_ = 0;
   SlotLists outer_;
   SlotLists inner_;
+  std::uint64_t outer_entries_ = 0;
   std::uint64_t entries_ = 0;       // of the inner lists
   soa::Array<std::uint16_t> near_;  // of each outer slot, who is within the narrow margin, as bits
   soa::Array<std::uint32_t> source_;

@@ -115,6 +115,18 @@ TEST(BirthOverlaps, OfEqualsTheFirstByIdIsNamed) {
   }
 }
 
+TEST(BirthOverlaps, BeyondWhatCellsTellApartAreStillOfThoseThatTouch) {
+  const solver::Setup setup = touching_setup(linear(1e4, 0.5));
+  const auto at = [](soa::Id id, double x) { return sphere(id, {x, 0, 0}, Precision::float64); };
+  for (const Way& way : ways()) {
+    EXPECT_EQ(overlaps(setup, {at(3, 1e305), at(4, 2e305), at(5, 3)}, 0, way).pairs, 0U);
+    const BirthOverlaps found = overlaps(setup, {at(3, 1e305), at(4, 2e305), at(5, 2e305)}, 0, way);
+    EXPECT_EQ(found.pairs, 1U);
+    EXPECT_EQ(found.particle, 4U);
+    EXPECT_EQ(found.partner, 5U);
+  }
+}
+
 TEST(BirthOverlaps, NameTheObstacle) {
   solver::Setup setup = touching_setup(linear(1e4, 0.5));
   setup.obstacles = {hollow_box({0, 0.5, 0}, {0.5, 0.5, 0.5}, *setup.contact_law),
