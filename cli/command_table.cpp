@@ -89,7 +89,8 @@ std::span<const CommandEntry> commands() {
        "validate",
        "SCENE...",
        "check scenes without running them",
-       "Reads scenes and says everything that is wrong with them, in one go.",
+       "Reads scenes and says everything that is wrong with them, in one go. Only a run finds who\n"
+       "overlaps when emitted.",
        {set, json, help},
        "  salvo validate scenes/*.toml\n"},
       {Verb::info,

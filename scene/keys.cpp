@@ -80,7 +80,7 @@ bool Reader::in_bounds(const Value& value, const KeyText& key, double number) {
   if (key.bounds.contain(number)) return true;
   fail(value, named(key) + " is out of bounds",
        std::abs(number) > largest_number
-           ? fmt::format("expected at most {}: no number is larger", largest_number)
+           ? fmt::format("expected at most {}: no key takes a larger number", largest_number)
            : "expected " + key.bounds.text(key.stored));
   return false;
 }

@@ -258,11 +258,17 @@ class Completion {
     }
     const bool turns = law.friction > 0 || unsure("contact_law", "friction");
     if (!turns) {
-      for (const char* key : {"tangential_ratio", "rolling_friction"}) {
-        if (!attempted("contact_law", key)) continue;
-        fail(fmt::format("contact_law.{}", key),
-             fmt::format("\"{}\" in [contact_law] is given, but there is no friction", key),
-             "give a friction, or remove it");
+      const auto refuse = [&](const std::string& section, const char* key) {
+        if (!attempted(section, key)) return;
+        fail(fmt::format("{}.{}", section, key),
+             fmt::format("\"{}\" in {} is given, but there is no friction", key, label(section)),
+             "give a friction in [contact_law], or remove it");
+      };
+      for (const char* key : {"tangential_ratio", "tangential_damping", "rolling_friction"}) {
+        refuse("contact_law", key);
+      }
+      for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+        refuse(fmt::format("emitter.{}", i), "angular_velocity");
       }
     }
     for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
@@ -270,6 +276,10 @@ class Completion {
     }
     for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
       const std::string path = fmt::format("obstacle.{}", i);
+      if (attempted(path, "mass")) {
+        fail(path + ".mass", "\"mass\" in [[obstacle]] is for the impulse of [contact]",
+             "to particles that touch each other an obstacle is infinitely heavy: remove it");
+      }
       if (keys_.obstacles[i].friction == 0 || turns) continue;
       fail(path + ".friction", "\"friction\" in [[obstacle]] needs particles that turn",
            "give a friction in [contact_law]");
@@ -279,6 +289,9 @@ class Completion {
     if (law.kind != models::ContactLawKind::impulse) check_step();
     for (std::size_t i = 0; i < keys_.obstacles.size(); ++i) {
       check_motion(keys_.obstacles[i], fmt::format("obstacle.{}.motion", i));
+    }
+    for (std::size_t i = 0; i < keys_.emitters.size(); ++i) {
+      check_launch(keys_.emitters[i], fmt::format("emitter.{}", i));
     }
   }
 
@@ -359,10 +372,7 @@ class Completion {
       straight.motion.angular_velocity = {};
       speed = solver::fastest(straight);
     }
-    double smallest = std::numeric_limits<double>::max();
-    for (const EmitterKeys& emitter : keys_.emitters) {
-      smallest = std::min(smallest, least_drawn(emitter.radius));
-    }
+    const double smallest = smallest_radius();
     if (speed * dt <= smallest) return;
     fail(path,
          fmt::format("[obstacle.motion] goes as far as {:.3g} m in a step, farther than the "
@@ -372,15 +382,41 @@ class Completion {
                      smallest / speed));
   }
 
+  // What starts faster than that flies through others and obstacles.
+  void check_launch(const EmitterKeys& emitter, const std::string& path) {
+    const Triple& v = emitter.velocity;
+    const double given = sqrt(S(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])).value();
+    const double speed =
+        given + std::max(std::abs(emitter.speed.least()), std::abs(emitter.speed.greatest()));
+    const double dt = keys_.setup.dt;
+    const double smallest = smallest_radius();
+    if (speed * dt <= smallest) return;
+    fail(path + (attempted(path, "speed") ? ".speed" : ".velocity"),
+         fmt::format("particles of [[emitter]] start with up to {:.3g} m/s: {:.3g} m in a step, "
+                     "farther than the smallest radius, {:.3g} m",
+                     speed, speed * dt, smallest),
+         fmt::format("expected at most {:.3g} m/s, or steps of {:.3g} s", smallest / dt,
+                     smallest / speed));
+  }
+
+  double smallest_radius() const {
+    double smallest = std::numeric_limits<double>::max();
+    for (const EmitterKeys& emitter : keys_.emitters) {
+      smallest = std::min(smallest, least_drawn(emitter.radius));
+    }
+    return smallest;
+  }
+
   void check_step() {
     const solver::ContactTime time = solver::contact_time(keys_.setup);
     if (keys_.setup.dt <= time.longest_step) return;
-    fail(keys_.time.dt ? "time.dt" : "time",
+    const char* key = keys_.time.dt ? "dt" : "steps_per_second";
+    fail(fmt::format("time.{}", key),
          fmt::format("steps of {:.3g} s cannot follow {}, {:.3g} s", keys_.setup.dt, time.of,
                      time.duration),
-         fmt::format("expected at most {:.3g} s, best {:.3g} s: leave \"dt\" out, or make the "
+         fmt::format("expected at most {:.3g} s, best {:.3g} s: leave \"{}\" out, or make the "
                      "contacts softer",
-                     time.longest_step, time.step));
+                     time.longest_step, time.step, key));
   }
 
   double end() const { return keys_.setup.t0 + static_cast<double>(keys_.steps) * keys_.setup.dt; }
@@ -464,11 +500,15 @@ class Completion {
   }
 
   void complete_mesh(ObstacleKeys& given, const std::string& path) {
-    if (given.mesh_file.empty()) return;  // reported
+    if (given.mesh_file.empty()) {
+      if (attempted(path, "file") && !unsure(path, "file")) {
+        fail(path + ".file", "\"file\" in [[obstacle]] is empty", "expected an .obj or .ply file");
+      }
+      return;  // otherwise reported
+    }
     const auto file = std::filesystem::path(keys_.path).parent_path() / given.mesh_file;
     try {
-      models::TriangleMesh mesh = read_mesh(file.string());
-      const std::string bytes = read_scene_file(file.string());
+      auto [mesh, bytes] = read_mesh(file.string());
       keys_.inputs.push_back(solver::digest_of(bytes.data(), bytes.size()));
       const double reach = given.scale * models::reach(mesh);
       constexpr double least = 1e-15;
@@ -640,7 +680,7 @@ class Completion {
   }
 
   void complete_lattice(EmitterKeys& given, const std::string& path) {
-    if (!(given.spacing > 0)) return;  // reported
+    if (!(given.spacing > 0) || unsure(path, "size")) return;  // reported
     double sites = 1;
     for (const double length : given.size) sites *= length / given.spacing;
     if (sites > 0x1p32) {
@@ -724,11 +764,7 @@ class Completion {
   void complete_columns() {
     const std::vector<soa::ParticleField>& columns = keys_.frames.columns;
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (soa::only_of_contacts(static_cast<std::size_t>(columns[i])) && !keys_.setup.contact_law) {
-        fail(fmt::format("frames.columns.{}", i),
-             fmt::format("\"{}\" is of particles that touch", soa::field(columns[i]).name),
-             "give a [contact_law], or remove it");
-      }
+      check_column(columns[i], fmt::format("frames.columns.{}", i));
       if (std::find(columns.begin(), columns.begin() + i, columns[i]) == columns.begin() + i) {
         continue;
       }
@@ -738,6 +774,23 @@ class Completion {
     }
     if (columns.empty()) {
       fail("frames.columns", "\"columns\" in [frames] is empty", "expected at least one field");
+    }
+  }
+
+  void check_column(soa::ParticleField column, const std::string& path) {
+    const auto refuse = [&](std::string_view of, std::string_view remedy) {
+      fail(path, fmt::format("\"{}\" is of {}", soa::field(column).name, of),
+           fmt::format("{}, or remove it", remedy));
+    };
+    const auto field = static_cast<std::size_t>(column);
+    const std::optional<models::ContactLaw>& law = keys_.setup.contact_law;
+    if (!law) {
+      if (soa::only_of_contacts(field)) refuse("particles that touch", "give a [contact_law]");
+    } else if (soa::only_of_budgets(field) && !law->energy_budget) {
+      refuse("the energy budget", "set energy_budget = true in [contact_law]");
+    } else if (column == soa::ParticleField::angular_velocity && !law->turns() &&
+               !unsure("contact_law", "friction")) {
+      refuse("particles that turn", "give a friction in [contact_law]");
     }
   }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "scene/obj_mesh.hpp"
 #include "scene/ply_mesh.hpp"
@@ -32,15 +33,18 @@ std::string text_of(const std::string& path) {
 
 }  // namespace
 
-models::TriangleMesh read_mesh(const std::string& path) {
+MeshFile read_mesh(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& letter : ending) {
     if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
   }
-  if (ending == ".obj") return read_obj(text_of(path), path);
-  if (ending == ".ply") return read_ply(text_of(path), path);
-  throw MeshError(fmt::format("{} is no mesh by its name", path),
-                  "expected a file that ends in .obj or .ply");
+  if (ending != ".obj" && ending != ".ply") {
+    throw MeshError(fmt::format("{} is no mesh by its name", path),
+                    "expected a file that ends in .obj or .ply");
+  }
+  std::string bytes = text_of(path);
+  models::TriangleMesh mesh = ending == ".obj" ? read_obj(bytes, path) : read_ply(bytes, path);
+  return {std::move(mesh), std::move(bytes)};
 }
 
 }  // namespace salvo::scene

@@ -8,8 +8,12 @@
 
 namespace salvo::scene {
 
-/// A mesh without mistakes (see models::mistakes_in), its numbers as they are in the file. Throws
-/// MeshError.
-models::TriangleMesh read_mesh(const std::string& path);
+struct MeshFile {
+  models::TriangleMesh mesh;  ///< without mistakes (models::mistakes_in), numbers as in the file
+  std::string bytes;
+};
+
+/// Throws MeshError.
+MeshFile read_mesh(const std::string& path);
 
 }  // namespace salvo::scene

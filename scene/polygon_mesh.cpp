@@ -29,6 +29,20 @@ ParsedNumber<T> parsed(std::string_view word) {
 
 constexpr std::string_view blanks = " \t\v\f\r";
 
+// A problem quotes the file, which may be anything.
+std::string printable(std::string_view problem) {
+  constexpr std::size_t longest = 200;
+  std::string text;
+  for (const char c : problem.substr(0, longest)) {
+    if (c >= ' ' && c <= '~') {
+      text += c;
+    } else {
+      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+  }
+  return problem.size() > longest ? text + " ..." : text;
+}
+
 }  // namespace
 
 ParsedNumber<double> parse_real(std::string_view word) { return parsed<double>(word); }
@@ -56,8 +70,8 @@ std::string_view take_word(std::string_view& line) {
 
 void PolygonMesh::fail(std::size_t place, const std::string& problem,
                        const std::string& hint) const {
-  throw MeshError(by_byte_ ? fmt::format("{}: byte {}: {}", path_, place, problem)
-                           : fmt::format("{}:{}: {}", path_, place, problem),
+  throw MeshError(by_byte_ ? fmt::format("{}: byte {}: {}", path_, place, printable(problem))
+                           : fmt::format("{}:{}: {}", path_, place, printable(problem)),
                   hint);
 }
 
@@ -126,7 +140,8 @@ void PolygonMesh::check_convexity(std::size_t place, std::size_t first_triangle)
   Vec sum{0, 0, 0};
   for (std::size_t t = first_triangle; t < mesh_.triangles.size(); ++t) sum += area(t);
   for (std::size_t t = first_triangle; t < mesh_.triangles.size(); ++t) {
-    if (dot(area(t), sum) >= 0) continue;
+    // One without an area is reported where all triangles are.
+    if (dot(area(t), sum) > 0 || dot(area(t), area(t)) == 0) continue;
     fail(place, "a face is folded or not convex", "cut it into triangles");
   }
 }

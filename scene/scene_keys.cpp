@@ -334,7 +334,7 @@ const Section<ObstacleKeys>& obstacle_section() {
                      "speed of separation over that of approach", between(0, 1)),
               of.key("friction", "", &Obstacle::friction, "Coulomb coefficient", not_negative),
               of.key("mass", "kg", &Obstacle::mass,
-                     "takes part in the impulse alone: the obstacle stays", positive)
+                     "takes part in the impulse of [contact] alone: the obstacle stays", positive)
                   .otherwise("infinite"),
               of.key("hollow", "", &Obstacle::hollow,
                      "particles are inside; only of particles that touch")

@@ -261,6 +261,7 @@ constexpr std::array dimension_names = std::to_array<DimensionName>({
     {speed, "a speed"},
     {{1, 0, -2, 0}, "an acceleration"},
     {force, "a force"},
+    {{0, 1, -2, 0}, "a force per length"},
     {energy, "an energy"},
     {{1, 1, -1, 0}, "an impulse"},
     {{-3, 1, 0, 0}, "a density"},

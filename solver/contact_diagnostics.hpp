@@ -7,7 +7,8 @@
 namespace salvo::solver {
 
 /// Of the contacts at the positions of the frame, each pair counted once. Overlaps of no contact
-/// are zero; sums that the scene does not keep (energy_budget) are NaN.
+/// are zero. The last three are NaN where the scene does not keep them (energy_budget), and once a
+/// particle is gone, and what it had with it.
 struct ContactDiagnostics {
   std::uint64_t pair_contacts = 0;   // of two particles
   std::uint64_t wall_contacts = 0;   // of a particle and a smooth part of an obstacle
@@ -18,10 +19,9 @@ struct ContactDiagnostics {
   double mean_relative_overlap = 0;  // likewise
   double rotational_energy = 0;      // J
   double elastic_energy = 0;         // J, of the normal springs, less what cohesion gave
-  double damping_loss = 0;           // J, of the particles that there are, since the start
+  double damping_loss = 0;           // J, since the start
   double friction_loss = 0;          // J, likewise
-  /// N s, the sum of what particles gave each other, of which rounding alone leaves any. NaN, too,
-  /// once a particle is gone and what it was given with it.
+  /// N s, the sum of what particles gave each other, of which rounding alone leaves any.
   std::array<double, 3> momentum_error{};
 };
 

@@ -111,8 +111,13 @@ Walls::Walls(std::span<const Obstacle> obstacles) {
     const std::size_t before = plans_.size();
     add(obstacle);
     const auto number = static_cast<std::size_t>(&obstacle - obstacles.data());
-    for (std::size_t p = before; p < plans_.size(); ++p) plans_[p].obstacle = number;
-    fastest_ = std::max(fastest_, solver::fastest(obstacle));
+    const double speed = solver::fastest(obstacle);
+    const bool everywhere = !(speed < std::numeric_limits<double>::infinity());
+    if (!everywhere) fastest_ = std::max(fastest_, speed);
+    for (std::size_t p = before; p < plans_.size(); ++p) {
+      plans_[p].obstacle = number;
+      plans_[p].everywhere = everywhere;
+    }
   }
   for (Plan& plan : plans_) {
     const auto wall = static_cast<std::uint32_t>(now_.size());
@@ -205,7 +210,7 @@ void Walls::near(const Bounds& bounds, double margin, std::vector<std::uint32_t>
       plans_[w].grid.find(triple(rotate(conjugate(quaternion(shape.rotation)), p)),
                           bounds.radius() + margin, found);
       for (std::size_t i = before; i < found.size(); ++i) found[i] += plans_[w].first_part;
-    } else if (comes_near(shape, bounds, margin)) {
+    } else if (plans_[w].everywhere || comes_near(shape, bounds, margin)) {
       found.push_back(plans_[w].first_part);
     }
   }

@@ -69,7 +69,7 @@ class Walls {
   std::span<const WallPart> parts() const { return parts_; }
   /// Which of the scene's obstacles a part belongs to.
   std::size_t obstacle(std::uint32_t part) const { return plans_[parts_[part].wall].obstacle; }
-  /// An upper bound of their speed where they meet particles, m/s; zero when all stand.
+  /// An upper bound of their speed, m/s; zero when all stand. Those without one are always near.
   double fastest() const { return fastest_; }
   /// Adds the parts that come within `margin` of the bounds, ascending; too many when in doubt.
   void near(const Bounds& bounds, double margin, std::vector<std::uint32_t>& found) const;
@@ -81,6 +81,7 @@ class Walls {
     std::uint32_t first_part = 0;
     FeatureGrid grid;  // of a mesh
     std::size_t obstacle = 0;
+    bool everywhere = false;  // it turns and has no end
   };
   void add(const models::Obstacle& obstacle);
   bool comes_near(const models::Obstacle& shape, const Bounds& bounds, double margin) const;

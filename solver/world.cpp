@@ -95,9 +95,12 @@ std::string describe(const BirthOverlaps& overlaps) {
       overlaps.pairs == 1 ? "a pair overlaps" : fmt::format("{} pairs overlap", overlaps.pairs);
   const std::string partner = overlaps.obstacle ? fmt::format("obstacle {}", *overlaps.obstacle)
                                                 : "particle " + describe(overlaps.partner);
+  // Those that were moved apart may be of many steps.
   return fmt::format(
-      "{} when emitted at step {}, the worst by {:.3g} % of the smaller radius: particle {} and {}",
-      pairs, overlaps.step, 100 * overlaps.worst, describe(overlaps.particle), partner);
+      "{} when emitted, {}at step {} by {:.3g} % of the smaller radius: particle {} "
+      "and {}",
+      pairs, overlaps.pairs == 1 ? "" : "the worst ", overlaps.step, 100 * overlaps.worst,
+      describe(overlaps.particle), partner);
 }
 
 OverlapAtBirth::OverlapAtBirth(const Setup& setup, const BirthOverlaps& overlaps)
@@ -547,8 +550,12 @@ Diagnostics World::diagnose() const {
     for (const EmissionSchedule& schedule : schedules_) {
       emitted += schedule.emitted_before(step_ + 1);
     }
+    // What those who are gone had is gone with them.
     if (particles().rows() != emitted) {
-      diagnostics.contacts->momentum_error.fill(std::numeric_limits<double>::quiet_NaN());
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      diagnostics.contacts->damping_loss = unknown;
+      diagnostics.contacts->friction_loss = unknown;
+      diagnostics.contacts->momentum_error.fill(unknown);
     }
   }
   return diagnostics;

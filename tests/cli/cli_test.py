@@ -517,7 +517,7 @@ class Contacts(Case):
         close = ["--set", "emitter.0.spacing=18e-3"]
         for verb in ("run", "hash", "verify"):
             result = self.salvo(verb, "pour.toml", *close, status=3)
-            self.assertRegex(result.stderr, r"\d+ pairs overlap when emitted at step 0, the worst by [\d.]+ % of the smaller "
+            self.assertRegex(result.stderr, r"\d+ pairs overlap when emitted, the worst at step 0 by [\d.]+ % of the smaller "
                                             r"radius: particle \d+ \(stream \d+, serial \d+\) and particle \d+ \(stream \d+, "
                                             r"serial \d+\)\n  a larger spacing, or relax = true")
         self.assertFalse(list((self.dir / "out").glob("*/frame*")))

@@ -465,9 +465,12 @@ TEST(SphereContact, TheErrorOfMomentumIsOfParticlesAmongThemselves) {
   World world(setup, {});
   world.advance_to(400);
   for (const double error : momentum_error(world)) EXPECT_LT(std::abs(error), 1e-15);
+  EXPECT_GT(world.diagnose().contacts->friction_loss, 0);
   world.advance_to(1000);
   ASSERT_GT(world.particles().rows(), 0U);
   for (const double error : momentum_error(world)) EXPECT_TRUE(std::isnan(error));
+  EXPECT_TRUE(std::isnan(world.diagnose().contacts->damping_loss));
+  EXPECT_TRUE(std::isnan(world.diagnose().contacts->friction_loss));
   setup.emitters[0].life = std::nullopt;
   setup.contact_law->energy_budget = false;
   for (const double error : momentum_error(World(setup, {}))) EXPECT_TRUE(std::isnan(error));

@@ -778,6 +778,11 @@ TEST(SceneMistakes, ContactLaws) {
   says(touching(spring, "mass = 1\nradius = 0.1\n",
                 "[[obstacle]]\nshape = \"mesh\"\nfile = \"nowhere.obj\"\n"),
        "nowhere.obj");
+  EXPECT_EQ(mistakes_of(touching(spring, "mass = 1\nradius = 0.1\n",
+                                 "[[obstacle]]\nshape = \"mesh\"\nfile = \"\"\n")),
+            "scene.toml:15:8: error: \"file\" in [[obstacle]] is empty\n"
+            " 15 | file = \"\"\n"
+            "    |        ^^ expected an .obj or .ply file");
   says(touching(spring + "restitution = 0\n"), "expected at least 0.01");
   says(touching(spring, "mass = 1\nradius = 0.1\n",
                 "[[obstacle]]\nshape = \"plane\"\nrestitution = 0.001\n"),
@@ -787,6 +792,52 @@ TEST(SceneMistakes, ContactLaws) {
   says(touching("kind = \"linear_spring\"\nnormal_stiffness = 1e6\nfriction = 0.5\n"
                 "tangential_ratio = 1000\n"),
        "cannot follow the slip spring (tangential_ratio)");
+}
+
+// What would change nothing.
+TEST(SceneMistakes, WhatNeedsContactsOfAnotherKind) {
+  const std::string smooth = "kind = \"linear_spring\"\nnormal_stiffness = 1e3\n";
+  const std::string rough = smooth + "friction = 0.5\n";
+  const std::string sphere = "mass = 1\nradius = 0.1\n";
+  const std::string column = "[frames]\ncolumns = ";
+  struct Case {
+    std::string law;  // with which it is a mistake
+    std::string law_with_more;
+    std::string emitter;
+    std::string more;
+    std::string says;
+  };
+  for (const Case& c : std::vector<Case>{
+           {smooth + "tangential_damping = 0.5\n", rough + "tangential_damping = 0.5\n", "", "",
+            "\"tangential_damping\" in [contact_law] is given, but there is no friction"},
+           {smooth, rough, "angular_velocity = [0, 1, 0]\n", "",
+            "\"angular_velocity\" in [[emitter]] is given, but there is no friction"},
+           {smooth, rough, "", column + "[\"angular_velocity\"]\n",
+            "\"angular_velocity\" is of particles that turn"},
+           {smooth + "energy_budget = false\n", smooth, "", column + "[\"damping_loss\"]\n",
+            "\"damping_loss\" is of the energy budget"}}) {
+    const std::string said = mistakes_of(touching(c.law, sphere + c.emitter, c.more));
+    EXPECT_NE(said.find(c.says), std::string::npos) << said;
+    EXPECT_EQ(mistakes_of(touching(c.law_with_more, sphere + c.emitter, c.more)), "no mistake");
+  }
+  EXPECT_NE(mistakes_of(touching(smooth, sphere, "[[obstacle]]\nshape = \"plane\"\nmass = 3\n"))
+                .find("\"mass\" in [[obstacle]] is for the impulse of [contact]"),
+            std::string::npos);
+}
+
+TEST(SceneMistakes, StartsThatFlyThroughOthers) {
+  const auto said = [](const std::string& start) {
+    return mistakes_of(touching("kind = \"impulse\"\n", "radius = 0.1\n" + start));
+  };
+  // Steps take 0.1 ms: a radius in a step is 1 km/s.
+  EXPECT_EQ(said("velocity = [0, 0, -999]\n"), "no mistake");
+  EXPECT_EQ(said("velocity = [0, 0, -2000]\n"),
+            "scene.toml:9:12: error: particles of [[emitter]] start with up to 2e+03 m/s: 0.2 m in "
+            "a step, farther than the smallest radius, 0.1 m\n"
+            "  9 | velocity = [0, 0, -2000]\n"
+            "    |            ^^^^^^^^^^^^^ expected at most 1e+03 m/s, or steps of 5e-05 s");
+  EXPECT_NE(said("velocity = [0, 0, 600]\nspeed = { uniform = [0, 500] }\n").find("1.1e+03 m/s"),
+            std::string::npos);
 }
 
 TEST(SceneMistakes, SizesOfParticlesThatTouch) {
@@ -843,12 +894,12 @@ TEST(SceneMistakes, NumbersThatSinglePrecisionDoesNotHold) {
   EXPECT_EQ(mistakes_with("drag_area = 1e39\n"),
             "scene.toml:7:13: error: \"drag_area\" in [[emitter]] is out of bounds\n"
             "  7 | drag_area = 1e39\n"
-            "    |             ^^^^ expected at most 3.4e+38: no number is larger");
+            "    |             ^^^^ expected at most 3.4e+38: no key takes a larger number");
   for (const std::string settings :
        {"[forces]\nair_density = 1e39\n", "[forces]\ngravity = [0, -1e39, 0]\n",
         "[[obstacle]]\nshape = \"plane\"\nfriction = 1e39\n"}) {
     const std::string said = mistakes_of(minimal + settings);
-    EXPECT_NE(said.find("no number is larger"), std::string::npos) << settings << said;
+    EXPECT_NE(said.find("no key takes a larger number"), std::string::npos) << settings << said;
   }
   for (const std::string key : {"rolling_friction", "surface_energy"}) {
     const std::string said = mistakes_of(touching(

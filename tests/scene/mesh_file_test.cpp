@@ -107,6 +107,11 @@ TEST(ObjFile, MistakesNameTheirLine) {
             "a.obj:2: \"face\" is no keyword of flat polygons | expected v or f; passed over are "
             "vt, vn, vp, g, o, s, mg, usemtl, mtllib, lod, bevel, c_interp, d_interp, shadow_obj, "
             "trace_obj, usemap, maplib, l, p");
+  EXPECT_EQ(
+      obj_mistake(std::string("\0\x01\xff", 3) + "v 1\n"),
+      "a.obj:1: \"\\x00\\x01\\xffv\" is no keyword of flat polygons | expected v or f; "
+      "passed over are vt, vn, vp, g, o, s, mg, usemtl, mtllib, lod, bevel, c_interp, d_interp, "
+      "shadow_obj, trace_obj, usemap, maplib, l, p");
   // The line on which what is continued began.
   EXPECT_EQ(obj_mistake(square + "f 1 \\\n2 \\\n9\n"),
             "a.obj:5: a face refers to vertex 9 | the file has 4 vertices, numbered from 1");
@@ -115,6 +120,9 @@ TEST(ObjFile, MistakesNameTheirLine) {
 TEST(ObjFile, PolygonsMustBeConvex) {
   const std::string arrow = "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\n";
   EXPECT_EQ(obj_mistake(arrow + "f 2 3 4 1\n"),
+            "a.obj:5: a face is folded or not convex | cut it into triangles");
+  // Both halves of a square whose corners cross are of the same size and look opposite ways.
+  EXPECT_EQ(obj_mistake(square_vertices + "f 1 2 4 3\n"),
             "a.obj:5: a face is folded or not convex | cut it into triangles");
   // Not convex either, but this fan covers it.
   EXPECT_EQ(obj_mistake(arrow + "f 1 2 3 4\n"), "no mistake");
@@ -413,29 +421,29 @@ TEST(MeshFile, IsReadByItsEnding) {
   const std::string one = write("salvo_mesh_test.OBJ", square_vertices + "f 1 2 3 4\n");
   const std::string other =
       write("salvo_mesh_test.ply", header("binary_big_endian") + binary_body(true));
-  EXPECT_EQ(read_mesh(one).triangles, read_mesh(other).triangles);
+  EXPECT_EQ(read_mesh(one).mesh.triangles, read_mesh(other).mesh.triangles);
   std::filesystem::remove(one);
   std::filesystem::remove(other);
 }
 
 TEST(MeshFile, ThatCannotBeReadIsNamed) {
-  EXPECT_EQ(mistake_in([] { return read_mesh("no/such/mesh.obj"); }),
+  EXPECT_EQ(mistake_in([] { return read_mesh("no/such/mesh.obj").mesh; }),
             "cannot read no/such/mesh.obj: No such file or directory | its path is relative to the "
             "scene's");
-  EXPECT_EQ(mistake_in([] { return read_mesh("mesh.stl"); }),
+  EXPECT_EQ(mistake_in([] { return read_mesh("mesh.stl").mesh; }),
             "mesh.stl is no mesh by its name | expected a file that ends in .obj or .ply");
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "salvo_mesh_test_folder.obj";
   std::filesystem::create_directory(folder);
   EXPECT_EQ(
-      mistake_in([&] { return read_mesh(folder.string()); }),
+      mistake_in([&] { return read_mesh(folder.string()).mesh; }),
       "cannot read " + folder.string() + ": Is a directory | its path is relative to the scene's");
   std::filesystem::remove(folder);
 }
 
 // The shipped mesh: closed, facing outwards, of the volume of its 32-sided frustums.
 TEST(MeshFile, HourglassIsAClosedSolid) {
-  const TriangleMesh mesh = read_mesh(SALVO_SCENES "/contact/hourglass.obj");
+  const TriangleMesh mesh = read_mesh(SALVO_SCENES "/contact/hourglass.obj").mesh;
   const models::MeshFeatures features = models::make_features(mesh);
   for (const models::MeshEdge& edge : features.edges) EXPECT_EQ(edge.side_count, 2u);
   // Caps, and the sides of five rings: the quadrilaterals are flat.

@@ -386,6 +386,30 @@ TEST(ContactWorld, AWallThatComesIsMetByParticlesAtRest) {
   }
 }
 
+// No margin holds a plane that turns off: it is looked at in every step, and lists last.
+TEST(ContactWorld, ATurningPlaneIsMetAndLetsListsLast) {
+  const ContactLaw law = linear(1e4, 0.8, 0.3);
+  solver::Setup setup = touching_setup(law, Precision::float32);
+  Obstacle ramp = ground(law);
+  ramp.motion.angular_velocity = {0, 0, 1};
+  setup.obstacles.push_back(ramp);
+  setup.emitters.push_back(lattice({1, 0.3, 0}, {0.1, 0.1, 0.1}, 0.025, 0.01, 0.01));
+  setup.dt = solver::contact_time(setup).step;
+  // It comes to where the lowest are after a quarter of a second.
+  const auto last = static_cast<std::int64_t>(0.3 / setup.dt);
+  World world(setup, execution(solver::widest_isa(), 2, {}));
+  World anew(setup, reference);
+  world.advance_to(last);
+  anew.advance_to(last);
+  EXPECT_EQ(world.hash().total, anew.hash().total);
+  double fastest = 0;
+  for (std::size_t row = 0; row < world.particles().rows(); ++row) {
+    fastest = std::max(fastest, velocity(world, row)[1]);
+  }
+  EXPECT_GT(fastest, 0.5);
+  EXPECT_LT(world.contact_profile()->list_builds, static_cast<std::uint64_t>(last / 3));
+}
+
 // Lists are taken from lists for some time, and those are found anew before somebody else comes.
 TEST(ContactWorld, OuterListsLastUntilOthersComeNear) {
   for (const Precision precision : {Precision::float32, Precision::float64}) {
