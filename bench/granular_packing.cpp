@@ -58,7 +58,7 @@ GranularPacking agitated_packing(std::size_t count, double fraction, double radi
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::uniform_real_distribution<double> moved(-jitter, jitter);
-  std::normal_distribution<double> drawn(0, speed);
+  std::normal_distribution<double> drawn(0, speed);  // exact-set: both engines get the same
   std::size_t sites = 4 * cells * cells * cells;
   for (std::size_t site = 0; packing.count() < count; ++site, --sites) {
     // Every choice of `count` sites is as probable (Knuth's algorithm S).

@@ -365,43 +365,45 @@ TEST(ContactWorld, MirroredSpheresStayMirrored) {
   }
 }
 
-// Particles at rest move no list to be built anew; the wall that comes for them does.
-TEST(ContactWorld, AWallThatComesIsMetByParticlesAtRest) {
+// Particles at rest above a plane that moves.
+solver::Setup above_a_moving_plane(const models::ObstacleMotion& motion, const Triple& center) {
   const ContactLaw law = linear(1e4, 0.8, 0.3);
   solver::Setup setup = touching_setup(law, Precision::float32);
-  Obstacle piston = ground(law);
-  piston.motion.velocity = {0, 2, 0};
-  setup.obstacles.push_back(piston);
-  setup.emitters.push_back(lattice({0, 0.1, 0}, {0.1, 0.1, 0.1}, 0.021, 0.01, 0.01));
+  Obstacle plane = ground(law);
+  plane.motion = motion;
+  setup.obstacles.push_back(plane);
+  setup.emitters.push_back(lattice(center, {0.1, 0.1, 0.1}, 0.021, 0.01, 0.01));
   setup.dt = solver::contact_time(setup).step;
+  return setup;
+}
+
+// To the bits of a world that makes its lists anew in every step.
+void advance_as_if_anew(World& world, const solver::Setup& setup, std::int64_t last) {
+  World anew(setup, reference);
+  anew.advance_to(last);
+  world.advance_to(last);
+  EXPECT_EQ(world.hash().total, anew.hash().total);
+}
+
+// Particles at rest move no list to be built anew; the wall that comes for them does.
+TEST(ContactWorld, AWallThatComesIsMetByParticlesAtRest) {
+  const solver::Setup setup = above_a_moving_plane({.velocity = {0, 2, 0}}, {0, 0.1, 0});
   // The lowest are touched after 0.05 m.
   const auto last = static_cast<std::int64_t>(0.035 / setup.dt);
   for (const ContactTuning tuning : {ContactTuning{}, ContactTuning{1e-3, 1, 0}}) {
     World world(setup, execution(solver::widest_isa(), 2, tuning));
-    World anew(setup, reference);
-    world.advance_to(last);
-    anew.advance_to(last);
-    EXPECT_EQ(world.hash().total, anew.hash().total);
+    advance_as_if_anew(world, setup, last);
     EXPECT_GT(velocity(world, 0)[1], 1);
   }
 }
 
 // No margin holds a plane that turns off: it is looked at in every step, and lists last.
 TEST(ContactWorld, ATurningPlaneIsMetAndLetsListsLast) {
-  const ContactLaw law = linear(1e4, 0.8, 0.3);
-  solver::Setup setup = touching_setup(law, Precision::float32);
-  Obstacle ramp = ground(law);
-  ramp.motion.angular_velocity = {0, 0, 1};
-  setup.obstacles.push_back(ramp);
-  setup.emitters.push_back(lattice({1, 0.3, 0}, {0.1, 0.1, 0.1}, 0.025, 0.01, 0.01));
-  setup.dt = solver::contact_time(setup).step;
+  const solver::Setup setup = above_a_moving_plane({.angular_velocity = {0, 0, 1}}, {1, 0.3, 0});
   // It comes to where the lowest are after a quarter of a second.
   const auto last = static_cast<std::int64_t>(0.3 / setup.dt);
   World world(setup, execution(solver::widest_isa(), 2, {}));
-  World anew(setup, reference);
-  world.advance_to(last);
-  anew.advance_to(last);
-  EXPECT_EQ(world.hash().total, anew.hash().total);
+  advance_as_if_anew(world, setup, last);
   double fastest = 0;
   for (std::size_t row = 0; row < world.particles().rows(); ++row) {
     fastest = std::max(fastest, velocity(world, row)[1]);
